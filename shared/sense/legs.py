@@ -31,7 +31,7 @@ class MeasuredFeet:
 class Sensing:
     """What the legs tell of feet, forces and motion."""
 
-    level: list[Point] = parts(LEGS, Point, "each foot from the middle of the hips, in level axes that turn with the body")
+    level: list[Point] = parts(LEGS, Point, "each foot from the middle of the hips, level, turning with the body")
     force_q12: Ints = vector(LEGS, "own weight Q12", "each foot's force along its leg")
     rolled: list[Spot] = parts(LEGS, Spot, "where each foot is, less what it rolled")
     joints: Ints = vector(JOINTS, "brad", "the joints in the tick before")

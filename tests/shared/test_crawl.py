@@ -84,7 +84,7 @@ def standing(x_lu, y_lu, heading_rad):
         cosine, sine = math.cos(heading_rad), math.sin(heading_rad)
         seen = dx * cosine + dy * sine, dy * cosine - dx * sine, foot[2] - 24000
         for axis in range(3):
-            sensing.level[leg * 3 + axis] = round(seen[axis])
+            sensing.level[leg][axis] = round(seen[axis])
         crawl.support.stance[leg], crawl.support.share_q12[leg] = 1, 4096
     return crawl, sensing
 
@@ -106,7 +106,7 @@ def test_a_foot_in_the_air_does_not_move_the_body():
     before = pack(crawl.map.body_pose)
     crawl.support.stance[0] = 0
     for axis in range(3):
-        sensing.level[axis] += 3000
+        sensing.level[0][axis] += 3000
     fit_body(crawl, sensing)
     moved = [abs(a - b) for a, b in zip(before, pack(crawl.map.body_pose), strict=True)]
     assert max(moved[:3]) <= 8 * 256

@@ -93,7 +93,7 @@ def test_heading_and_place_are_the_best_fit_of_disturbed_feet(crawl, seed):
     for leg in range(4):
         crawl.support.share_q12[leg] = round(4096 * shares[leg])
         for axis in range(3):
-            sensing.level[leg * 3 + axis] = round(seen[leg][axis] / UNIT_M)
+            sensing.level[leg][axis] = round(seen[leg][axis] / UNIT_M)
     crawl_map.fit_body(crawl, sensing)
     best = twin.heading(seen, feet, shares)
     assert abs(crawl.map.body_pose.yaw / (1 << 24) * 2 * math.pi - best) < 0.5e-3
@@ -439,7 +439,7 @@ def test_a_crawl_begins_under_the_body_on_its_feet(crawl, seed):
     for leg in range(4):
         sensing.force_q12[leg] = round(felt[leg] * 4096)
         for axis in range(3):
-            sensing.level[leg * 3 + axis] = round(level[leg][axis] / UNIT_M)
+            sensing.level[leg][axis] = round(level[leg][axis] / UNIT_M)
     roll, pitch = (round(angle / (2 * math.pi) * 65536) for angle in tilt)
     core_crawl.crawl_start(crawl, sensing, joints, joints, roll, pitch)
     c = crawl

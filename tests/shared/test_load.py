@@ -107,7 +107,7 @@ def test_level_feet_are_the_measured_legs_turned_by_roll_and_pitch(name):
             x, y, z = (foot[i] + si.hip[i] for i in range(3))
             x, z = math.cos(b) * x + math.sin(b) * z, -math.sin(b) * x + math.cos(b) * z
             exact = x, math.cos(a) * y - math.sin(a) * z, math.sin(a) * y + math.cos(a) * z
-            got = state.level[leg * 3 : leg * 3 + 3]
+            got = pack(state.level[leg])
             assert math.dist([v * si.unit_m for v in got], exact) <= 12 * si.unit_m + 2e-4 * (si.l1 + si.l2 + si.l3)
 
 

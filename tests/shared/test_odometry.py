@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shared.num.fixed import cos_q15, sin_q15
-from shared.record import pack
+from shared.record import pack, unpack
 from shared.sense import odometry as o
 from shared.sense.legs import Sensing
 from shared.sense.sensed import Sensed
@@ -38,8 +38,9 @@ class Pair:
         roll, pitch = (round(angle / rad(1)) for angle in tilt)
         feet = [[round(value / self.unit_m) for value in foot] for foot in feet_m]
         off = [[round(value / self.unit_m) for value in foot] for foot in rolled]
-        sensing.level[:] = [value for x, y in feet for value in (x, y, 0)]
-        sensing.rolled[:] = [at - by for pair in zip(feet, off, strict=True) for at, by in zip(*pair, strict=True)]
+        for leg, (at, by) in enumerate(zip(feet, off, strict=True)):
+            unpack(sensing.level[leg], (*at, 0))
+            unpack(sensing.rolled[leg], (at[0] - by[0], at[1] - by[1]))
         sensing.force_q12[:] = [round(force * 4096) for force in forces]
         sensing.roll_cosine_q13, sensing.pitch_cosine_q13 = cos_q15(roll) >> 2, cos_q15(pitch) >> 2
         sensing.pitch_sine_q13 = sin_q15(pitch) >> 2
@@ -53,7 +54,7 @@ class Pair:
 
     @property
     def place_m(self):
-        return [value * self.unit_m for value in self.core.place]
+        return [value * self.unit_m for value in pack(self.core.place)]
 
     @property
     def yaw_rad(self):
@@ -141,7 +142,8 @@ def test_feet_that_slip_move_it_like_the_float_twin(name, rate_hz):
         assert math.dist(pair.place_m, (twin.x, twin.y)) < 0.002
         assert abs(pair.yaw_rad - twin.yaw) < 0.002 + abs(twin.yaw) / 500
         fine = pair.unit_m / 256 * rate_hz
-        assert [value * fine for value in core.speed] == pytest.approx([twin.vx, twin.vy], abs=0.002 * rate_hz / 50)
+        speed = [value * fine for value in pack(core.speed)]
+        assert speed == pytest.approx([twin.vx, twin.vy], abs=0.002 * rate_hz / 50)
         assert core.turning / 2**24 * rate_hz == pytest.approx(twin.wz, abs=0.004 * rate_hz / 50)
         doubts_agree(pair)
 
@@ -154,8 +156,8 @@ def doubts_agree(pair):
     assert core.way * unit_m == pytest.approx(twin.way, rel=0.13, abs=0.002)
     assert core.slip * unit_m == pytest.approx(twin.slip, rel=0.05, abs=0.002)
     assert core.doubt_q26 / 2**26 == pytest.approx(twin.doubt, rel=0.05, abs=1e-4)
-    assert [value * unit_m / 256 for value in core.astray] == pytest.approx(twin.astray, rel=0.1, abs=0.002)
-    assert [value * unit_m for value in core.scaled] == pytest.approx(scaled, rel=0.15, abs=0.001)
+    assert [value * unit_m / 256 for value in pack(core.astray)] == pytest.approx(twin.astray, rel=0.1, abs=0.002)
+    assert [value * unit_m for value in pack(core.scaled)] == pytest.approx(scaled, rel=0.15, abs=0.001)
     assert core.apart * unit_m == pytest.approx(apart, rel=0.13, abs=0.001)
 
 
@@ -207,11 +209,11 @@ def test_where_no_foot_carries_it_goes_on_as_it_went_and_lost_it_stands():
     pair.step(FEET_M, (0.0,) * 4, swinging=15, turned=(0, 0, 0))
     assert pair.place_m[0] - before == pytest.approx(0.004, rel=0.02)
     o.odometry_lost(pair.core)
-    lost = list(pair.core.place)
+    lost = pack(pair.core.place)
     pair.step([(x - 0.05, y) for x, y in FEET_M], turned=(0, 0, 0.1))
-    assert list(pair.core.place) == lost, "nothing is told by legs that were not seen a tick ago"
+    assert pack(pair.core.place) == lost, "nothing is told by legs that were not seen a tick ago"
     o.odometry_restart(pair.core)
-    assert (list(pair.core.place), pair.core.heading, pair.core.way) == ([0, 0], 0, 0)
+    assert (pack(pair.core.place), pair.core.heading, pair.core.way) == ([0, 0], 0, 0)
 
 
 @pytest.mark.parametrize("force", [0.0, 0.06])
@@ -245,8 +247,8 @@ def test_at_its_ends_it_stays(corner, walks, ahead, aside, near):
     """8 km from where it began it is told to be there; the way and the doubts, too, stay at their largest."""
     core, params = o.Odometry(), block("caramelo")
     signs = (1 if corner & 1 else -1), (1 if corner & 2 else -1)
-    core.place[:] = [sign * (FAR - near % 12000) for sign in signs]
-    core.astray[:] = [sign * (SUM - near % 4096) for sign in signs]
+    unpack(core.place, [sign * (FAR - near % 12000) for sign in signs])
+    unpack(core.astray, [sign * (SUM - near % 4096) for sign in signs])
     core.way = core.slip = FAR - near % 4096
     core.doubt_q26 = SUM - near % 4096
     core.heading = (near << 1) - (1 << 25) >> 2
@@ -254,7 +256,7 @@ def test_at_its_ends_it_stays(corner, walks, ahead, aside, near):
     o.count_way(params, ahead, aside, 131068, core)
     o.odometry_spread(params, core)
     assert max(abs(value) for value in pack(core)) < 1 << 30
-    assert max(abs(value) for value in core.place) <= FAR
+    assert max(abs(value) for value in pack(core.place)) <= FAR
     assert core.way <= FAR
     assert core.doubt_q26 <= SUM
     assert FAR / (1 << params.length_shift) == pytest.approx(8191.5)

@@ -99,7 +99,7 @@ def test_a_walk_in_the_plane_is_told_within_some_per_cent():
 def test_the_covariance_is_that_of_its_error_vectors():
     params, block = Params(), Odometry()
     params.length_shift, params.rate_hz = 16, 50
-    block.place[:], block.astray[:] = [65536 * 4, 0], [0, 65536 * 64]
+    block.place.x, block.astray.y = 65536 * 4, 65536 * 64
     block.way, block.doubt_q26 = 65536 * 4, 1 << 22
     told = read_odometry(params, block)
     apart_m, scaled_m, astray_m, doubt_rad = 0.001 + 4 / 256, 4 / 256, 0.25, 1 / 16

@@ -58,7 +58,7 @@ def test_a_swing_lifts_a_foot_by_its_share_of_the_leg():
 
 def test_it_goes_at_the_commanded_speed_by_its_own_odometry():
     walker = walking(speed=0.15, seconds=4.0)
-    went = walker.planner.odometry.speed[0] * walker.unit_m / 256 * 50
+    went = walker.planner.odometry.speed.x * walker.unit_m / 256 * 50
     assert went == pytest.approx(0.15, rel=0.01)
 
 

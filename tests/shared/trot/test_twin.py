@@ -57,7 +57,8 @@ class Pair:
         told = [scale.lf_per_tick(speed[0]), scale.lf_per_tick(speed[1]), scale.yaw18_per_tick(speed[2])]
         sensed.joints[:], sensed.tilt[:], sensed.turned[:] = self.plant.joints_brad(), tilt, turned
         sensed.valid.joints, sensed.valid.tilt, sensed.valid.turned = int(known), 1, 1
-        went = self.odometry.speed[:] = [told[0] * 15 >> 4, told[1] * 15 >> 4]  # always a bit too slow
+        went = [told[0] * 15 >> 4, told[1] * 15 >> 4]  # always a bit too slow
+        unpack(self.odometry.speed, went)
         self.twin.phase = self.walk.state.phase_q20 / 2**20  # what a tick of it is rounded to adds up
         senses = Senses(
             [q / BRAD_PER_RAD for q in sensed.joints],
