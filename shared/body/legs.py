@@ -5,7 +5,7 @@ call costs as much as three of them.
 """
 
 from ..num.fixed import arctans_brad18, round_roots
-from ..num.tables import SINE_SLOPE, SINE_START
+from ..num.tables import SINE_LINES
 from ..runtime import Ints, const, hot, zeros
 from .params import JOINTS, LEGS, Params
 from .reach import reach_foot
@@ -25,7 +25,7 @@ class LegsWork:
         self.turns = zeros(4 * LEGS)  # the arctangents, 2^-18 turn
 
 
-_QUARTER = const(256)  # of a turn, in steps of the sine
+_QUARTER = const(512)  # of a turn, in the sine's table
 _HALF = const(0x8000)
 
 
@@ -35,8 +35,7 @@ def legs_waves(joints: Ints, waves: Ints) -> None:
 
     Each as sin_q15 and cos_q15.
     """
-    starts = SINE_START
-    slopes = SINE_SLOPE
+    lines = SINE_LINES
     calf = 2
     for joint in range(JOINTS):
         angle = joints[joint]
@@ -44,10 +43,10 @@ def legs_waves(joints: Ints, waves: Ints) -> None:
             angle += joints[joint - 1]
             calf += 3
         rest = angle & 63
-        at = angle >> 6 & 1023
-        waves[joint] = starts[at] + slopes[at] * rest >> 7
-        at = (angle >> 6) + _QUARTER & 1023
-        waves[joint + JOINTS] = starts[at] + slopes[at] * rest >> 7
+        at = angle >> 5 & 2046
+        waves[joint] = lines[at] + lines[at + 1] * rest >> 7
+        at = at + _QUARTER & 2046
+        waves[joint + JOINTS] = lines[at] + lines[at + 1] * rest >> 7
 
 
 @hot

@@ -7,9 +7,9 @@ MicroPython. The errors in the docstrings are worst cases, checked in tests/shar
 """
 
 from ..runtime import Ints, const, hot
-from .tables import ATAN_SLOPE, ATAN_START, SINE_SLOPE, SINE_START, SQRT_SEED
+from .tables import ATAN_LINES, SINE_LINES, SQRT_SEED
 
-_QUARTER = const(256)  # of a turn, in steps of the sine
+_QUARTER = const(512)  # of a turn, in the sine's table
 _EIGHTH_BRAD18 = const(0x8000)
 _QUARTER_BRAD18 = const(0x10000)
 _HALF_BRAD18 = const(0x20000)
@@ -43,10 +43,9 @@ def sin_q15(angle_brad: int) -> int:
     A line in each of 1024 steps of the turn (host/boards/build/tables.py). Error at most 1 LSB of Q15. Largest
     intermediate 2^22.
     """
-    starts = SINE_START
-    slopes = SINE_SLOPE
-    at = angle_brad >> 6 & 1023
-    return starts[at] + slopes[at] * (angle_brad & 63) >> 7
+    lines = SINE_LINES
+    at = angle_brad >> 5 & 2046
+    return lines[at] + lines[at + 1] * (angle_brad & 63) >> 7
 
 
 @hot
@@ -55,10 +54,9 @@ def cos_q15(angle_brad: int) -> int:
 
     It is sin_q15 a quarter turn on.
     """
-    starts = SINE_START
-    slopes = SINE_SLOPE
-    at = (angle_brad >> 6) + _QUARTER & 1023
-    return starts[at] + slopes[at] * (angle_brad & 63) >> 7
+    lines = SINE_LINES
+    at = (angle_brad >> 5) + _QUARTER & 2046
+    return lines[at] + lines[at + 1] * (angle_brad & 63) >> 7
 
 
 @hot
@@ -69,8 +67,7 @@ def atan2_brad18(y: int, x: int) -> int:
     The ratio of the smaller to the larger side is formed in 18 bits by two divisions, so that the larger may keep 18
     to 21 bits; then arctan by a table, linear between. Largest: the smaller side, below 2^21, times 2^9: below 2^30.
     """
-    starts = ATAN_START
-    slopes = ATAN_SLOPE
+    lines = ATAN_LINES
     far = x
     if far < 0:
         far = -far
@@ -97,7 +94,8 @@ def atan2_brad18(y: int, x: int) -> int:
         near *= 512
         high = near // far
         ratio = high * 512 + (near - high * far) * 512 // far
-        angle = starts[ratio >> 10] + slopes[ratio >> 10] * (ratio & 1023) >> 10
+        line = ratio >> 9 & 510
+        angle = lines[line] + lines[line + 1] * (ratio & 1023) >> 10
     if steep:
         angle = _QUARTER_BRAD18 - angle
     if x < 0:
@@ -258,8 +256,7 @@ def round_roots(squares: Ints, roots: Ints, count: int) -> None:
 @hot
 def arctans_brad18(ys: Ints, xs: Ints, angles: Ints, count: int) -> None:
     """Write the angles of ``count`` points (x, y) in 1/2^18 turn. Each as atan2_brad18."""
-    starts = ATAN_START
-    slopes = ATAN_SLOPE
+    lines = ATAN_LINES
     for at in range(count):
         far = xs[at]
         near = ys[at]
@@ -289,7 +286,8 @@ def arctans_brad18(ys: Ints, xs: Ints, angles: Ints, count: int) -> None:
             near <<= 9
             high = near // far
             ratio = (high << 9) + ((near - high * far) << 9) // far
-            angle = starts[ratio >> 10] + slopes[ratio >> 10] * (ratio & 1023) >> 10
+            line = ratio >> 9 & 510
+            angle = lines[line] + lines[line + 1] * (ratio & 1023) >> 10
         if turned & 4:
             angle = _QUARTER_BRAD18 - angle
         if turned & 1:

@@ -53,8 +53,8 @@ def test_it_is_machine_code_that_agrees(sources, compiled_home, tmp_path, monkey
 
 
 def test_a_wrong_machine_code_is_found_with_its_vector(few, tmp_path, monkeypatch):
-    wrong = plant(few, tmp_path / "wrong", "shared/num/fixed.py", "    at = angle_brad >> 6 & 1023\n",
-                  "    at = (angle_brad >> 6) + (angle_brad >> 14 & 1) & 1023\n")
+    wrong = plant(few, tmp_path / "wrong", "shared/num/fixed.py", "    at = angle_brad >> 5 & 2046\n",
+                  "    at = (angle_brad >> 5) + (angle_brad >> 13 & 2) & 2046\n")
     monkeypatch.setenv(core.SWITCH, str(tmp_path / "none"))
     reference, other = Report(CPython()), Report(Compiled())
     (tmp_path / "a").mkdir()

@@ -25,7 +25,7 @@ PLANTED = [
     ("a shift by 32", "num/fixed", PRODUCT, "return (a * b_q15 + 0x4000) >> 32", "shifts by 0 .. 31"),
     ("a list", "num/fixed", PRODUCT, "return [a * b_q15]", "a list"),
     ("a tuple", "num/fixed", PRODUCT, "return a, b_q15", "a tuple"),
-    ("an index before an array", "num/fixed", "at = angle_brad >> 6 & 1023", "at = -(angle_brad >> 6 & 1023)",
+    ("an index before an array", "num/fixed", "at = angle_brad >> 5 & 2046", "at = -(angle_brad >> 5 & 2046)",
      "before the array"),
     ("a divisor of 0", "body/reach", "if denominator < 1:\n        return 0\n    if", "if", "ZeroDivisionError"),
 ]

@@ -71,8 +71,8 @@ def report_of(runtime: Runtime, sources: Path, work: Path) -> Report:
 
 def test_a_planted_difference_is_found_with_its_vector(few, tmp_path):
     reference = report_of(CPython(), few, tmp_path / "reference")
-    line = "    at = angle_brad >> 6 & 1023\n"
-    wrong = "    if starts[at] > 32000 << 7:\n        return 32767\n"
+    line = "    at = angle_brad >> 5 & 2046\n"
+    wrong = "    if lines[at] > 32000 << 7:\n        return 32767\n"
     copy = plant(few, tmp_path / "wrong", "shared/num/fixed.py", line, line + wrong)
     other = report_of(Wasi("source"), copy, tmp_path / "other")
     assert other.failure is None
