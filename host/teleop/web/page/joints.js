@@ -131,4 +131,5 @@ $("find").addEventListener("input", () => {
   }
 });
 setInterval(() => performance.now() - heardMs > SILENT_MS && show(), SILENT_MS);
+show(); // nothing acts before the robot has been heard
 connect(receive, lost);

@@ -495,6 +495,16 @@ def test_an_open_page_is_hung_up_on_when_all_pairings_are_revoked(browser, tmp_p
         page.close()
 
 
+def test_nothing_acts_before_the_robot_is_heard(browser, tmp_path):
+    """Not even while the page connects: a key would be lost, and nobody told."""
+    with Teleop(tmp_path) as teleop:
+        page = patient(browser.new_page())
+        page.add_init_script("window.WebSocket = class { static OPEN = 1; send() {} }")  # connects for ever
+        page.goto(teleop.url)
+        assert page.evaluate("document.getElementById('take').disabled")
+        page.close()
+
+
 def test_in_space_a_ground_is_chosen_and_goes_by(browser, tmp_path):
     with Teleop(tmp_path, sim=("--sim", "--direct", "--in", "space")) as teleop:
         page = patient(browser.new_page(viewport=DESK))
