@@ -266,5 +266,5 @@ setInterval(() => performance.now() - heardMs > SILENT_MS && show(), SILENT_MS);
   pad.poll(timeStamp);
   requestAnimationFrame(frame);
 })(performance.now());
-show(); // nothing acts before the robot has been heard
+for (const id of ACTING) $(id).disabled = true; // until the robot has been heard
 connect(receive, lost);

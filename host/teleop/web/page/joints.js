@@ -75,6 +75,8 @@ function parameter(row, [name, , unit, meaning, low, high, access, stored]) {
 
 const number = (value) => Number(value.toPrecision(6)).toString();
 
+const ACTING = ["joint", "arm", "clear", "step", "keep"];
+
 function show() {
   const silent = !status || performance.now() - heardMs > SILENT_MS, paired = $("pairing").hidden;
   const state = silent ? "" : status.joints[status.node - 1];
@@ -82,7 +84,7 @@ function show() {
   $("word").textContent = silent ? (paired ? "no connection" : "not paired") : status.armed ? "armed" : "disarmed";
   $("reason").textContent = silent ? (paired ? "the program on the bus does not answer" : "enter the code below") : `${status.joints.filter((one) => one !== "not there").length} of 12 joints answer`;
   $("stop").classList.toggle("dead", silent);
-  for (const id of ["joint", "arm", "clear", "step", "keep"]) {
+  for (const id of ACTING) {
     const why = whyNot(id, silent);
     $(id).disabled = why !== "";
     $(id).title = why;
@@ -131,5 +133,5 @@ $("find").addEventListener("input", () => {
   }
 });
 setInterval(() => performance.now() - heardMs > SILENT_MS && show(), SILENT_MS);
-show(); // nothing acts before the robot has been heard
+for (const id of ACTING) $(id).disabled = true; // until the program on the bus has been heard
 connect(receive, lost);
