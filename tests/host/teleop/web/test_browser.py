@@ -162,11 +162,11 @@ def test_a_second_page_watches_and_may_stop(teleop, open_page):
     assert second.locator("#driver").inner_text() == f"web {driver[1]}"
     second.keyboard.down("s")
 
-    def obeys_the_first():
+    def never_the_second():  # whose key goes back; the first one's command may come late, and be 0
         status = teleop.status()
-        return status["driver"] == driver and status["speed"][0] > 0
+        return status["driver"] == driver and status["speed"][0] >= 0
 
-    assert stays(obeys_the_first, 0.3)
+    assert stays(never_the_second, 0.3)
     second.keyboard.press("Space")
     assert teleop.wait(lambda status: status["stop"])["stop"] != f"web {driver[1]}"
     first.keyboard.up("w")
