@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from .records import Layout, Layouts
 from .source import Module, resolve
 
-WHOLE = ("array", "table", "words", "record", "object", "list")  # kinds that have a name of their own
+TABLES = ("table", "words")  # numbers that never change, of 16 bits and of 32: kinds as the marks that make them
+WHOLE = ("array", *TABLES, "record", "object", "list")  # kinds that have a name of their own
 
 
 @dataclass(frozen=True)
@@ -86,7 +87,7 @@ class Kinds:
         if at is None:
             return None
         origin, name = at
-        if name in ("zeros", "table", "words"):
+        if name in ("zeros", *TABLES):
             return Value("array" if name == "zeros" else name, text, raw=text)
         found = self.annotated(origin, ast.Name(name), text)
         if found is not None:

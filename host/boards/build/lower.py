@@ -8,7 +8,7 @@ import ast
 from dataclasses import replace
 from pathlib import Path
 
-from .kinds import WHOLE, Kinds, Value, block_kinds
+from .kinds import TABLES, WHOLE, Kinds, Value, block_kinds
 from .records import Layout, records_of
 from .rewrite import Edit, Places, apply_edits, beside, without_result
 from .rules import MARKS
@@ -243,7 +243,7 @@ class Lowering:
             return Value("within" if base.layout else "number", base.text, base.layout, at, raw=base.raw)
         if base.kind in ("record", "within") and base.layout is not None and base.layout.numbered:
             return Value("number", self._root(base, node), at=_sum(base.at, self._times(node.slice, 1)))
-        if base.kind in ("array", "table", "words"):
+        if base.kind in ("array", *TABLES):
             if not self.hot:
                 return None  # an array's element needs no change
             return Value("number", self._root(base, node), at=self._text(node.slice))

@@ -6,7 +6,7 @@ types they turn CPython's core into machine code; nothing that is computed chang
 
 import ast
 
-from .kinds import Kinds
+from .kinds import TABLES, Kinds
 from .lower import Lowering, lower
 from .records import Layout, records_of
 from .rewrite import Edit, Places, apply_edits, beside, inline_constants, strip_pointers
@@ -49,7 +49,7 @@ def _typed(module: Module, kinds: Kinds, package: str) -> bytes:
         edits += _type_signature(function, place)
         known = Lowering(module, kinds, set(), place).known(function)
         local = _locals(function)
-        local |= {name: _TABLE for name in local if name in known and known[name].kind in ("table", "words")}
+        local |= {name: _TABLE for name in local if name in known and known[name].kind in TABLES}
         names = "; ".join(f"{name}: {kind}" for name, kind in local.items() if name not in known or kind == _TABLE)
         if names:
             edits.append(beside(module, function, names, place))
