@@ -1,4 +1,8 @@
-"""Which legs swing: diagonals half a cycle apart, each on the ground for a bit more than half of it."""
+"""Which legs swing: diagonals half a cycle apart, each on the ground for a bit more than half of it.
+
+One that is pushed steps sooner: a body that tips falls the faster the longer it falls, and while it waits for the feet
+in the air to come down in their usual time they strike the ground, and it goes over them.
+"""
 
 from ..body.params import LEGS, Params
 from ..runtime import const, hot
@@ -19,6 +23,8 @@ def go_on(params: Params, walk: Trot, still: int) -> None:
     state = walk.state
     setup = params.trot
     step = setup.phase_step_q20
+    if state.pushed:
+        step = setup.hurried_step_q20
     if walk.wish.moving == 0:
         state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
         state.still_q20 = 0

@@ -27,6 +27,7 @@ class TrotState:
     roll_18: int = field("2^-18 rad / tick", "turn about x, which levels it")
     pitch_18: int = field("2^-18 rad / tick", "turn about y")
     rise: int = field("lf / tick", "of the body")
+    pushed: int = field("", "1: the body goes faster than told, by more than walking does")
     capture: Spot = part(Spot, "foothold further on for a speed that is too much, lu")
     roll_q14: int = field("rad Q14", "tilt when this tick's goals act")
     pitch_q14: int = field("rad Q14", "the same about y")
@@ -97,6 +98,7 @@ def trot_reset(params: Params, walk: Trot) -> None:
     setup = params.trot
     state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
     state.known = 0
+    state.pushed = 0
     state.heading_18 = 0
     state.lift = setup.low_lift
     state.high_left = 0

@@ -40,6 +40,8 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) ->
         state.drift_q8.y = reach_speed(params, told_y, walk.odometry.speed.y, state.drift_q8.y)
     state.drive.x = state.foot_speed.x + (state.drift_q8.x >> 8)
     state.drive.y = state.foot_speed.y + (state.drift_q8.y >> 8)
+    state.pushed = too_fast(params, state.seen.x, state.foot_speed.x)
+    state.pushed |= too_fast(params, state.seen.y, state.foot_speed.y)
     state.capture.x = capture_point(params, state.seen.x - state.foot_speed.x)
     state.capture.y = capture_point(params, state.seen.y - state.foot_speed.y)
     if state.high_left:
@@ -56,6 +58,21 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) ->
         state.drive.y = 0
         state.drift_q8.x = 0
         state.drift_q8.y = 0
+
+
+@hot
+def too_fast(params: Params, seen: int, told: int) -> int:
+    """Return 1 if a measured speed is faster than the commanded one, by more than walking does; else 0. Both lf / tick.
+
+    A push against the way is none before it has turned the body round: one that is held up by an edge would hurry.
+    """
+    if seen < 0:
+        seen = -seen
+    if told < 0:
+        told = -told
+    if seen - told > params.trot.pushed_speed:
+        return 1
+    return 0
 
 
 @hot

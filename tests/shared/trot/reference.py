@@ -178,7 +178,7 @@ class FloatTrot:
 
     def steer(self, speed, rates, pose, moving, went):
         """Write the speeds of the feet, the turn and the further footholds."""
-        self.drive, self.capture = [0.0, 0.0], [0.0, 0.0]
+        self.drive, self.capture, self.pushed = [0.0, 0.0], [0.0, 0.0], False
         for i in range(2):
             foot = self.foot_speed[i] = speed[i] * self.rolling
             missed = speed[i] - went[i]
@@ -188,6 +188,7 @@ class FloatTrot:
             if self.high_left or not self.known:
                 self.drift[i] = 0.0
             self.drive[i] = foot + self.drift[i]
+            self.pushed |= abs(self.seen[i]) - abs(foot) > tuning.PUSHED_FROUDE * math.sqrt(G * self.h)
             self.capture[i] = limit((self.seen[i] - foot) * self.f.capture_s, self.f.capture_most_m)
         if self.high_left:
             rest = sum(place[0] for place in self.f.rests_m) / 4 - pose[0]
@@ -235,7 +236,8 @@ class FloatTrot:
         if not moving:
             self.phase, self.stands, self.met = tuning.STANCE_SHARE / 2 - 0.25, [1] * 4, [0] * 4
             return
-        self.phase = (self.phase + self.dt / self.f.cycle_s) % 1.0
+        pace = tuning.HURRY if self.pushed else 1.0
+        self.phase = (self.phase + pace * self.dt / self.f.cycle_s) % 1.0
         for leg in range(4):
             part = (self.phase + 0.5 * LATER[leg]) % 1.0 - tuning.STANCE_SHARE
             if part < 0:

@@ -15,7 +15,7 @@ from shared.sense.legs import MeasuredFeet, Sensing, sense_legs
 from shared.sense.odometry import Odometry
 from shared.sense.sensed import Sensed
 from shared.trot.feet import free_way_q15, spare
-from shared.trot.state import Trot
+from shared.trot.state import CYCLE_Q20, Trot
 from shared.trot.trot import trot_start, trot_tick
 
 from .reference import FloatTrot, Senses, way
@@ -168,6 +168,29 @@ def test_a_foot_that_was_held_up_rises_before_it_goes_ahead():
     leg_m = pair.twin.leg_m
     assert min(x for x, _ in way_m) < -0.9 * tuning.DRAW_BACK * leg_m
     assert next(z for x, z in way_m if x > 0.02 * leg_m) > 0.3 * leg_m
+
+
+@pytest.mark.parametrize(("ahead", "rates", "pushed"), [
+    (1, (0, 8000, 0), True),  # tips forward, at 0.27 m/s over its feet
+    (1, (8000, 0, 0), True),
+    (1, (-8000, 0, 0), True),
+    (-1, (0, -8000, 0), True),
+    (1, (0, -5000, 0), False),  # slower than told
+    (1, (0, 0, 8000), False),
+    (1, (0, 2000, 0), False),
+])
+def test_one_that_is_pushed_steps_sooner_in_both(ahead, rates, pushed):
+    """The feet stand, and the body turns over them; afterwards it walks at its usual pace."""
+    pair, paces = Pair("caramelo", 50), []
+    state, setup = pair.walk.state, pair.params.trot
+    for n in range(140):
+        before = state.phase_q20
+        pair.tick((0.1 * ahead, 0.0, 0.0), (0, 0), rates if 80 <= n < 100 else (0, 0, 0), moving=n > 25)
+        paces.append(state.phase_q20 - before & CYCLE_Q20 - 1)
+        assert pair.twin.pushed == state.pushed
+    assert (paces[99] == setup.hurried_step_q20) == pushed
+    assert set(paces[26:80] + paces[130:]) == {setup.phase_step_q20}
+    assert pair.worst_m < MOST_M
 
 
 def test_a_leg_that_can_not_lift_is_not_pushed_on_in_both():

@@ -3,6 +3,8 @@
 The full list takes minutes: pytest -m slow tests/host/sim/space. Here one walk of each kind stands for it.
 """
 
+import math
+
 import numpy as np
 import pytest
 
@@ -13,6 +15,7 @@ from host.lab.experiments import counts
 from host.lab.experiments.run import run_experiment
 from host.lab.experiments.trials import PLANE, SPACE, Options, Trial
 from host.lab.workers.work import workers
+from host.robot import trot_tuning
 from host.robot.file import load_robot, robot_names
 from host.sim.grounds import FLAT, GroundSpec, make_terrain
 from host.sim.walk import Push, WalkSpec
@@ -99,6 +102,19 @@ def test_a_push_moves_the_robot_and_a_hard_one_throws_it():
     at = int(2.0 * ROBOT.control.rate_hz)
     assert np.array_equal(aside_m[0][:at], aside_m[1][:at])
     assert np.max(aside_m[1] - aside_m[0]) > 0.03
+
+
+@pytest.mark.parametrize(("turn_deg", "at_s"), [(50, 3.12), (50, 3.16), (-50, 3.38)])
+def test_pushed_while_its_feet_begin_to_swing_it_steps_sooner(monkeypatch, turn_deg, at_s):
+    """Pushes by 1 m/s at 0.2 m/s; at its usual pace it falls over the feet in the air."""
+    def falls():
+        newton, turn = 1.0 * ROBOT.mass_kg / 0.1, math.radians(turn_deg)
+        push = Push(at_s, (newton * math.cos(turn), newton * math.sin(turn)))
+        return walked("trot", distance_m=20.0, speed_m_s=0.2, push=push, limit_s=at_s + 4.0)["falls"]
+
+    assert not falls()
+    monkeypatch.setattr(trot_tuning, "HURRY", 1.0)
+    assert falls()
 
 
 @pytest.mark.slow
