@@ -1,7 +1,8 @@
 """Which legs swing: diagonals half a cycle apart, each on the ground for a bit more than half of it.
 
 One that is pushed steps sooner: a body that tips falls the faster the longer it falls, and while it waits for the feet
-in the air to come down in their usual time they strike the ground, and it goes over them.
+in the air to come down in their usual time they strike the ground, and it goes over them. So the cycle goes on faster,
+and feet that have just begun to swing come down again at once.
 """
 
 from ..body.params import LEGS, Params
@@ -11,6 +12,7 @@ from .react import count_held, land, react
 from .state import CYCLE_Q20, Trot
 
 _DIAGONALS = const(0x06)  # bits of the legs half a cycle on: FL, RR
+_MIDDLE = const(16383)  # of a swing, Q15
 _STILL_MAX = const(0x200000)
 
 
@@ -25,6 +27,8 @@ def go_on(params: Params, walk: Trot, still: int) -> None:
     step = setup.phase_step_q20
     if state.pushed:
         step = setup.hurried_step_q20
+        if state.pushed == 1 and state.swinging and state.high_left == 0:
+            step += skip_top(params, state.swing_q15)
     if walk.wish.moving == 0:
         state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
         state.still_q20 = 0
@@ -66,6 +70,17 @@ def go_on(params: Params, walk: Trot, still: int) -> None:
             swinging |= 1 << leg
     state.swinging = swinging
     state.standing = standing
+
+
+@hot
+def skip_top(params: Params, swing_q15: int) -> int:
+    """Return from before the middle of a swing how far in the cycle, Q20, as long after it is; from behind it 0.
+
+    There the feet are as high, and on their way down. Error at most 48. Intermediates: 2^15 * 2^14.
+    """
+    if swing_q15 > _MIDDLE:
+        return 0
+    return (32767 - 2 * swing_q15) * (CYCLE_Q20 - params.trot.stance_q20 >> 5) >> 10
 
 
 @hot

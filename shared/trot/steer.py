@@ -40,8 +40,10 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) ->
         state.drift_q8.y = reach_speed(params, told_y, walk.odometry.speed.y, state.drift_q8.y)
     state.drive.x = state.foot_speed.x + (state.drift_q8.x >> 8)
     state.drive.y = state.foot_speed.y + (state.drift_q8.y >> 8)
-    state.pushed = too_fast(params, state.seen.x, state.foot_speed.x)
-    state.pushed |= too_fast(params, state.seen.y, state.foot_speed.y)
+    pushed = too_fast(params, state.seen.x, state.foot_speed.x) | too_fast(params, state.seen.y, state.foot_speed.y)
+    if pushed and state.pushed:
+        pushed = 2
+    state.pushed = pushed
     state.capture.x = capture_point(params, state.seen.x - state.foot_speed.x)
     state.capture.y = capture_point(params, state.seen.y - state.foot_speed.y)
     if state.high_left:

@@ -72,6 +72,7 @@ class FloatTrot:
         self.phase = tuning.STANCE_SHARE / 2 - 0.25
         self.seen, self.drift, self.foot_speed = [0.0] * 2, [0.0] * 2, [0.0] * 2
         self.heading = self.high_left = self.u = 0.0
+        self.pushed = False
         self.load, self.stands, self.met = [0.0] * 4, [1] * 4, [0] * 4
         self.low, self.high = tuning.LOW_LIFT * self.leg_m, tuning.HIGH_LIFT * self.leg_m
         self.highest = tuning.HIGHEST_LIFT * self.leg_m
@@ -178,7 +179,8 @@ class FloatTrot:
 
     def steer(self, speed, rates, pose, moving, went):
         """Write the speeds of the feet, the turn and the further footholds."""
-        self.drive, self.capture, self.pushed = [0.0, 0.0], [0.0, 0.0], False
+        self.drive, self.capture = [0.0, 0.0], [0.0, 0.0]
+        self.was_pushed, self.pushed = self.pushed, False
         for i in range(2):
             foot = self.foot_speed[i] = speed[i] * self.rolling
             missed = speed[i] - went[i]
@@ -238,6 +240,8 @@ class FloatTrot:
             return
         pace = tuning.HURRY if self.pushed else 1.0
         self.phase = (self.phase + pace * self.dt / self.f.cycle_s) % 1.0
+        if self.pushed and not (self.was_pushed or self.high_left or all(self.stands)):
+            self.phase += max(0.0, 1 - 2 * self.u) * (1 - tuning.STANCE_SHARE)
         for leg in range(4):
             part = (self.phase + 0.5 * LATER[leg]) % 1.0 - tuning.STANCE_SHARE
             if part < 0:

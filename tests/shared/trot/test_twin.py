@@ -14,6 +14,7 @@ from shared.record import unpack
 from shared.sense.legs import MeasuredFeet, Sensing, sense_legs
 from shared.sense.odometry import Odometry
 from shared.sense.sensed import Sensed
+from shared.trot.clock import skip_top
 from shared.trot.feet import free_way_q15, spare
 from shared.trot.state import CYCLE_Q20, Trot
 from shared.trot.trot import trot_start, trot_tick
@@ -180,17 +181,37 @@ def test_a_foot_that_was_held_up_rises_before_it_goes_ahead():
     (1, (0, 2000, 0), False),
 ])
 def test_one_that_is_pushed_steps_sooner_in_both(ahead, rates, pushed):
-    """The feet stand, and the body turns over them; afterwards it walks at its usual pace."""
-    pair, paces = Pair("caramelo", 50), []
-    state, setup = pair.walk.state, pair.params.trot
-    for n in range(140):
-        before = state.phase_q20
-        pair.tick((0.1 * ahead, 0.0, 0.0), (0, 0), rates if 80 <= n < 100 else (0, 0, 0), moving=n > 25)
-        paces.append(state.phase_q20 - before & CYCLE_Q20 - 1)
-        assert pair.twin.pushed == state.pushed
-    assert (paces[99] == setup.hurried_step_q20) == pushed
-    assert set(paces[26:80] + paces[130:]) == {setup.phase_step_q20}
-    assert pair.worst_m < MOST_M
+    """The feet stand, and the body turns over them, from any tick of half a cycle on; a swing just begun ends at once.
+
+    Afterwards it walks at its usual pace.
+    """
+    most = 0
+    for first in range(70, 82):
+        pair, paces = Pair("caramelo", 50), []
+        state, setup = pair.walk.state, pair.params.trot
+        for n in range(130):
+            before = state.phase_q20
+            turned = rates if first <= n < first + 20 else (0, 0, 0)
+            pair.tick((0.1 * ahead, 0.0, 0.0), (0, 0), turned, moving=n > 25)
+            paces.append(state.phase_q20 - before & CYCLE_Q20 - 1)
+            assert pair.twin.pushed == (state.pushed > 0)
+        assert (paces[first + 19] == setup.hurried_step_q20) == pushed
+        assert set(paces[26:first] + paces[120:]) == {setup.phase_step_q20}
+        assert pair.worst_m < MOST_M
+        most = max(most, *paces)
+    swing_q20 = CYCLE_Q20 - setup.stance_q20
+    assert (most > 0.7 * swing_q20) == pushed
+    assert most < swing_q20 + setup.hurried_step_q20
+
+
+def test_the_top_of_a_swing_is_skipped_to_where_the_foot_is_as_high():
+    """Over all shares of a swing and the lengths that it may have."""
+    params = Pair("caramelo", 50).params
+    for stance_q20 in (CYCLE_Q20 >> 1, params.trot.stance_q20, CYCLE_Q20 * 3 >> 2):
+        params.trot.stance_q20 = stance_q20
+        for share in range(32768):
+            exact = max(0.0, 1 - 2 * share / 32767) * (CYCLE_Q20 - stance_q20)
+            assert skip_top(params, share) == pytest.approx(exact, abs=48)
 
 
 def test_a_leg_that_can_not_lift_is_not_pushed_on_in_both():
