@@ -100,7 +100,6 @@ class Session:
             loop = Loop(supervisor, self._after_tick)
             hub = Hub(self._gate(loop), loop.drop)
             hub.about = about(self.robot, parts)
-            stack.callback(hub.close)
             try:
                 self._drive(stack, hub, loop)
             finally:
@@ -108,6 +107,7 @@ class Session:
                     parts.bus.close()
                 finally:
                     self._free()
+                    hub.close()  # the servers' processes end with their connection
                     left = end_all(self._closers, END_S)
             return {**self._figures(loop), "left_behind": left}
 
