@@ -7,6 +7,7 @@ import time
 from pathlib import Path
 
 from host.bus.dynamixel.calibration.data import nominal, save_calibration
+from host.commands.teleop import END_MOST_S
 from host.lab.teleop.watched import Watched
 from host.robot.file import load_robot
 from host.sim.servos.process import Emulator
@@ -23,6 +24,12 @@ def fsync(descriptor):
     _fsync(descriptor)
 os.fsync = fsync
 """
+# The same, for the alarm that ends a drive whose end hangs: it comes sooner.
+SOON = """
+import signal
+_alarm = signal.alarm
+signal.alarm = lambda seconds: _alarm(min(seconds, {most_s}))
+"""
 AGAIN_S = 90.0  # what does not walk by then is started again
 DRIVE = {"vy_m_s": 0.0, "wz_rad_s": 0.0, "pose": [0.0] * 6}
 
@@ -30,10 +37,11 @@ DRIVE = {"vy_m_s": 0.0, "wz_rad_s": 0.0, "pose": [0.0] * 6}
 class Drive(Watched):
     """The command on the servos of ``emulator``, or on none (None); what is left of it is killed at the end."""
 
-    def __init__(self, folder, monkeypatch, emulator):
+    def __init__(self, folder, monkeypatch, emulator, end_most_s):
         self.emulator, self.flag = emulator, folder / "the disk hangs"
         self.page = 0
-        (folder / "sitecustomize.py").write_text(SLOW_DISK.format(flag=str(self.flag)))
+        changes = SLOW_DISK.format(flag=str(self.flag)) + SOON.format(most_s=end_most_s)
+        (folder / "sitecustomize.py").write_text(changes)
         monkeypatch.setenv("PYTHONPATH", str(folder))
         sim = ("--sim", "--direct") if emulator is None else self._port(folder, emulator.port)
         super().__init__(folder, "--log", str(folder / f"{time.monotonic()}.mcap"), sim=sim)
@@ -104,14 +112,16 @@ def child_of(process, words):
 
 
 @contextlib.contextmanager
-def driving(folder, monkeypatch, servos=True):
-    """Yield a drive that walks. The servos of a busy machine answer too late at times: then it is started again."""
+def driving(folder, monkeypatch, servos=True, end_most_s=END_MOST_S):
+    """Yield a drive that walks, and that the system ends ``end_most_s`` after it let go at the latest.
+
+    The servos of a busy machine answer too late at times: then it is started again.
+    """
     for last in (False, False, True):
         with contextlib.ExitStack() as stack:
             try:
-                drive = stack.enter_context(
-                    Drive(folder, monkeypatch, stack.enter_context(Emulator()) if servos else None)
-                )
+                emulator = stack.enter_context(Emulator()) if servos else None
+                drive = stack.enter_context(Drive(folder, monkeypatch, emulator, end_most_s))
                 drive.walk()
             except UserError:
                 if last:

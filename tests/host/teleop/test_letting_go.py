@@ -49,7 +49,7 @@ def test_the_second_ctrl_c_lets_go_before_anything_is_closed(tmp_path, monkeypat
 
 def test_it_ends_though_nobody_takes_its_output(tmp_path, monkeypatch):
     """A pipe that is full: the system ends the program, the joints have been let go long before."""
-    with driving(tmp_path, monkeypatch) as drive:
+    with driving(tmp_path, monkeypatch, end_most_s=4) as drive:
         filler = os.open(f"/proc/{drive.process.pid}/fd/1", os.O_WRONLY | os.O_NONBLOCK)
         with contextlib.suppress(BlockingIOError):
             while True:
