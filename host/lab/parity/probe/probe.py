@@ -179,23 +179,25 @@ def _add(block, digest: Digest) -> None:
     """Digest an array, or a record in the order of its declaration. Takes no memory: the VMs collect no garbage."""
     fields = getattr(block, "FIELDS", None)
     if fields is None:
-        for value in block:
-            digest.add(value)
+        digest.add_all(block, len(block))
         return
+    row, filled = digest.row, 0
     for name, place in fields:
         value = getattr(block, name)
-        if place.count is None:
-            _add_one(value, place, digest)
+        if place.count is None and place.of is None:
+            row[filled] = value
+            filled += 1
+            continue
+        digest.add_all(row, filled)
+        filled = 0
+        if place.of is None:
+            digest.add_all(value, place.count)
+        elif place.count is None:
+            _add(value, digest)
         else:
             for one in value:
-                _add_one(one, place, digest)
-
-
-def _add_one(value, place, digest: Digest) -> None:
-    if place.of:
-        _add(value, digest)
-    else:
-        digest.add(value)
+                _add(one, digest)
+    digest.add_all(row, filled)
 
 
 def _plain(value):

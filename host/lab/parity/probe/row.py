@@ -7,25 +7,23 @@ class Row:
     """The integers of records, arrays, and single ones of them as (block, place), one behind the other."""
 
     def __init__(self, *blocks) -> None:
-        self.blocks = blocks
+        self.blocks = [(block, 1 if isinstance(block, tuple) else size_of(block)) for block in blocks]
 
     def __len__(self) -> int:
         total = 0
-        for block in self.blocks:
-            total += 1 if isinstance(block, tuple) else size_of(block)
+        for _, size in self.blocks:
+            total += size
         return total
 
     def __getitem__(self, at: int) -> int:
-        for block in self.blocks:
-            size = 1 if isinstance(block, tuple) else size_of(block)
+        for block, size in self.blocks:
             if at < size:
                 return int(value_at(block[0], block[1]) if isinstance(block, tuple) else value_at(block, at))
             at -= size
         raise IndexError  # ends a loop over it
 
     def __setitem__(self, at: int, value: int) -> None:
-        for block in self.blocks:
-            size = 1 if isinstance(block, tuple) else size_of(block)
+        for block, size in self.blocks:
             if at < size:
                 if isinstance(block, tuple):
                     set_at(block[0], block[1], value)
