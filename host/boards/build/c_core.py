@@ -15,7 +15,7 @@ from .c_holders import converted, holders_text, room_of
 from .c_source import FunctionWriter, c_name, signature
 from .rewrite import Edit, Places, apply_edits, inline_constants
 from .rules import check_hot
-from .source import BuildError, Module, closure, constant_value, find_imports, has_no_result, hot_functions
+from .source import BuildError, Module, closure, constant_value, find_imports, has_no_result
 
 MODULE = "_core"
 _HEADS = {"micropython": "c_micropython.h", "cpython": "c_cpython.h"}
@@ -72,7 +72,7 @@ def c_text(chosen: list[Module], modules: dict[str, Module], runtime: str, wante
     heads, bodies, exposed = [], [], []
     tables: dict[str, tuple[Module, str]] = {}
     for module in chosen:
-        for function in hot_functions(module.tree):
+        for function in module.hot_functions:
             check_hot(module, function, modules)
             writer = FunctionWriter(module, function, modules)
             heads.append(f"{signature(module, function)};")
@@ -130,7 +130,7 @@ def cold_text(module: Module, wanted: set[tuple[str, str]] | None) -> bytes:
     """
     place = Places(module.text)
     edits: list[Edit] = []
-    hot = hot_functions(module.tree)
+    hot = module.hot_functions
     inside = {id(node) for function in hot for node in ast.walk(function)}
     for function in ast.walk(module.tree):
         if isinstance(function, ast.FunctionDef) and id(function) not in inside:
@@ -199,7 +199,7 @@ def _names_in_use(chosen: list[Module], modules: dict[str, Module]) -> set[tuple
 
 def _read_when_cold(module: Module) -> set[str]:
     """Return the names that a module reads outside of hot functions, apart from constants read in functions."""
-    hot = {id(node) for function in hot_functions(module.tree) for node in ast.walk(function)}
+    hot = {id(node) for function in module.hot_functions for node in ast.walk(function)}
     used: set[str] = set()
     for statement in module.tree.body:
         if _is_data(statement) or id(statement) in hot or isinstance(statement, ast.ImportFrom | ast.Import):

@@ -12,7 +12,7 @@ from .kinds import TABLES, WHOLE, Kinds, Value, block_kinds
 from .records import Layout, records_of
 from .rewrite import Edit, Places, apply_edits, beside, without_result
 from .rules import MARKS
-from .source import PACKAGES, Module, constant_value, hot_functions, read_modules, refresh
+from .source import PACKAGES, Module, constant_value, read_modules, refresh
 
 # What reads each in a hot function
 _POINTERS = {"record": "ptr32", "array": "ptr32", "table": "ptr16", "words": "ptr32"}
@@ -41,12 +41,12 @@ def _lowered(module: Module, kinds: Kinds, fields: set[str]) -> Module:
         edits.append(_constructor(module, node, layout, place))
     edits += _imports(module, bool(declared), place)
     inside = {id(n) for node in declared for n in ast.walk(node)}
-    hot = {id(function) for function in hot_functions(module.tree)}
+    hot = {id(function) for function in module.hot_functions}
     edits += Lowering(module, kinds, fields, place).module_level(inside)
     for function, owner in _functions(module):
         edits += Lowering(module, kinds, fields, place).function(function, owner, id(function) in hot)
     text = apply_edits(module.text, edits)
-    blocks = {f.name: block_kinds(kinds.parameters(module, f, None)) for f in hot_functions(module.tree)}
+    blocks = {f.name: block_kinds(kinds.parameters(module, f, None)) for f in module.hot_functions}
     holders = {f"{module.name}.{node.name}": block_kinds(kinds.members((module.name, node.name)))
                for node in module.tree.body if isinstance(node, ast.ClassDef) and node not in declared}
     tree = ast.parse(text, module.path)
@@ -56,7 +56,7 @@ def _lowered(module: Module, kinds: Kinds, fields: set[str]) -> Module:
 def _exchanged(module: Module, kinds: Kinds) -> set[tuple[tuple[str, str] | None, str]]:
     """Return the attributes, with their classes, that the hot functions of a module give to another object."""
     found = set()
-    for function in hot_functions(module.tree):
+    for function in module.hot_functions:
         lowering = Lowering(module, kinds, set(), Places(module.text))
         lowering.known(function)
         for node in ast.walk(function):

@@ -8,7 +8,7 @@ import ast
 from dataclasses import dataclass
 
 from .rules import POINTERS, REGISTERS, aliases, check_hot, hot_arity
-from .source import Module, has_no_result, hot_functions
+from .source import Module, has_no_result
 
 EMITTERS = ("bytecode", "native", "viper")
 
@@ -36,7 +36,7 @@ def rewrite(module: Module, modules: dict[str, Module], emitter: str, arch: str)
     edits: list[Edit] = []
     for function in _functions(module.tree):
         edits += inline_constants(module, function, place)
-    hot = hot_functions(module.tree)
+    hot = module.hot_functions
     for function in hot:
         check_hot(module, function, modules)
         if emitter == "bytecode":

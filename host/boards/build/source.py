@@ -6,6 +6,7 @@ Everything is read from the syntax tree, nothing is imported, so a broken module
 import ast
 import re
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 
 PACKAGES = ("shared", "firmware")
@@ -37,6 +38,15 @@ class Module:
     blocks: dict[str, dict[str, str]] = field(default_factory=dict)
     holders: dict[str, dict[str, str]] = field(default_factory=dict)
 
+    @cached_property
+    def hot_functions(self) -> list[ast.FunctionDef]:
+        """The functions marked ``@hot``, in order."""
+        return [
+            node
+            for node in ast.walk(self.tree)
+            if isinstance(node, ast.FunctionDef) and any(_is_name(d, "hot") for d in node.decorator_list)
+        ]
+
     def error(self, node: ast.AST, sentence: str) -> BuildError:
         return BuildError(f"{self.path}:{getattr(node, 'lineno', 1)}: {sentence}")
 
@@ -57,18 +67,9 @@ def refresh(modules: dict[str, Module]) -> dict[str, Module]:
         find_imports(module, modules)
     for module in modules.values():
         _find_constants(module, modules, ())
-        module.hot = {f.name: len(f.args.args) for f in hot_functions(module.tree)}
-        module.silent = {f.name for f in hot_functions(module.tree) if has_no_result(f)}
+        module.hot = {f.name: len(f.args.args) for f in module.hot_functions}
+        module.silent = {f.name for f in module.hot_functions if has_no_result(f)}
     return modules
-
-
-def hot_functions(tree: ast.Module) -> list[ast.FunctionDef]:
-    """Return the functions of a module marked ``@hot``, in order."""
-    return [
-        node
-        for node in ast.walk(tree)
-        if isinstance(node, ast.FunctionDef) and any(_is_name(d, "hot") for d in node.decorator_list)
-    ]
 
 
 def has_no_result(function: ast.FunctionDef) -> bool:

@@ -11,7 +11,7 @@ from .lower import Lowering, lower
 from .records import Layout, records_of
 from .rewrite import Edit, Places, apply_edits, beside, inline_constants, strip_pointers
 from .rules import aliases, check_hot
-from .source import Module, has_no_result, hot_functions
+from .source import Module, has_no_result
 
 NUMBER = "i64"  # holds every intermediate, which are within 30 bits; leaving 64 would raise OverflowError
 _TABLE = "tuple[int, ...]"  # what table() and words() leave
@@ -26,7 +26,7 @@ def typed_modules(modules: dict[str, Module], package: str = "shared") -> dict[s
     ``package``: what the core is imported as.
     """
     for module in lower(modules).values():
-        for function in hot_functions(module.tree):
+        for function in module.hot_functions:
             check_hot(module, function, modules)
     kinds = Kinds(modules)
     return {name: _typed(module, kinds, package) for name, module in modules.items() if not module.is_package}
@@ -42,7 +42,7 @@ def _typed(module: Module, kinds: Kinds, package: str) -> bytes:
         edits.append(_type_record(module, declared, layout, place))
     edits += [Edit(place.start(node.annotation), len("Ints"), _ARRAY) for node in ast.walk(module.tree)
               if isinstance(node, ast.arg) and isinstance(node.annotation, ast.Name) and node.annotation.id == "Ints"]
-    for function in hot_functions(module.tree):
+    for function in module.hot_functions:
         edits += inline_constants(module, function, place)
         edits += strip_pointers(function, place)
         edits += _unmark(function, place)
