@@ -21,19 +21,24 @@ def copy_modules(sources, *names):
         shutil.copy(ROOT / path, sources / path)
 
 
-def start_gait_vm(work, robot, bufsize=-1):
-    """Compile the firmware in the folder ``work`` and start it for a robot; ``bufsize`` is Popen's, of both pipes."""
+def compile_gait(work):
+    """Compile the firmware in the folder ``work``, and return the folder that it runs in."""
     unix = Unix("viper")
     skip_without(unix)
     sources = work / "sources"
     copy_modules(sources, "firmware.gait_main")
+    return unix.prepare(sources, work)
+
+
+def start_gait_vm(tree, robot, bufsize=-1):
+    """Start what ``compile_gait`` made for a robot; ``bufsize`` is Popen's, of both pipes."""
     script = (
         "import sys\nsys.path.insert(0, '.')\nfrom array import array\nfrom firmware.gait_main import run_piped\n"
         f"run_piped(array('i', {pack(core_params(robot))}), array('i', {pack(attitude_block(robot))}))\n"
     )
     return subprocess.Popen(
         [sys.executable, "-m", "micropython_unix", "-c", script],
-        cwd=unix.prepare(sources, work),
+        cwd=tree,
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         bufsize=bufsize,

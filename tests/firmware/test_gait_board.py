@@ -24,7 +24,7 @@ from sim2d.run import simulate
 from tests.waiting import PATIENCE_S
 
 from .gait_board_link import GaitBoardLink
-from .gait_vm import start_gait_vm
+from .gait_vm import compile_gait, start_gait_vm
 
 ROBOT = load_robot("caramelo")
 LEVEL = [0, 0, 0, 0, 0, 16384]
@@ -189,7 +189,7 @@ class VirtualBoard:
 
 
 def test_a_real_micropython_walks_the_simulator_bit_for_bit_like_the_host(tmp_path):
-    board = VirtualBoard(start_gait_vm(tmp_path, ROBOT))
+    board = VirtualBoard(start_gait_vm(compile_gait(tmp_path), ROBOT))
     recording = simulate(planar_robot(ROBOT), board, terrain.flat(), duration_s=30, distance_m=0.3)
     assert recording.outcome.ok, recording.outcome.sentence
     assert board.compared > 400

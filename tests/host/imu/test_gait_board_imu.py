@@ -20,7 +20,7 @@ from host.robot.file import load_robot
 from host.robot.scale import attitude_block, core_params
 from host.util.child import end_child
 from host.util.errors import UserError
-from tests.firmware.gait_vm import start_gait_vm
+from tests.firmware.gait_vm import compile_gait, start_gait_vm
 from tests.waiting import PATIENCE_S
 
 ROBOT = load_robot("caramelo")
@@ -53,9 +53,14 @@ class VmStream:
         """The process is the test's."""
 
 
+@pytest.fixture(scope="module")
+def tree(tmp_path_factory):
+    return compile_gait(tmp_path_factory.mktemp("gait"))
+
+
 @pytest.fixture
-def vm(tmp_path):
-    stream = VmStream(start_gait_vm(tmp_path, ROBOT, bufsize=0))
+def vm(tree):
+    stream = VmStream(start_gait_vm(tree, ROBOT, bufsize=0))
     yield stream
     end_child(stream.process, 0.0)
 

@@ -69,6 +69,7 @@ def test_port_busy(run, images):
 
 def test_something_else_on_the_port(run, images, monkeypatch):
     monkeypatch.setattr(link_module, "PROMPT_TIMEOUT_S", 0.3)
+    monkeypatch.setattr(link_module, "READ_TIMEOUT_S", 0.3)
     board, port = pty.openpty()
     answer = run("flash", images("1"), "--port", os.ttyname(port))
     one_line(answer, 1, "does not answer like MicroPython", "docs/flashing.md")
