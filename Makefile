@@ -20,7 +20,8 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --disable-pip-version-check
 comma := ,
 # Tests of the core's sources and of what is built of them; all others only use the core, and run on the compiled one.
-OF_SOURCES := tests/shared tests/firmware tests/host/boards
+# The folder whose tests take longest comes first, so that none of them is left over for one core at the end.
+OF_SOURCES := tests/host/boards tests/firmware tests/shared
 STAMP := .venv/.setup-$(subst $(comma),-,$(EXTRAS))
 
 .PHONY: setup setup-pi demo test check renew docs core wheel lock pi-wheels clean
