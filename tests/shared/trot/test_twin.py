@@ -195,7 +195,7 @@ def test_one_that_is_pushed_steps_sooner_in_both(ahead, rates, pushed):
             pair.tick((0.1 * ahead, 0.0, 0.0), (0, 0), turned, moving=n > 25)
             paces.append(state.phase_q20 - before & CYCLE_Q20 - 1)
             assert pair.twin.pushed == (state.pushed > 0)
-        assert (paces[first + 19] == setup.hurried_step_q20) == pushed
+        assert (setup.hurried_step_q20 in paces[first + 2 :]) == pushed
         assert set(paces[26:first] + paces[120:]) == {setup.phase_step_q20}
         assert pair.worst_m < MOST_M
         most = max(most, *paces)
