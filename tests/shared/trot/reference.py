@@ -238,9 +238,9 @@ class FloatTrot:
         if not moving:
             self.phase, self.stands, self.met = tuning.STANCE_SHARE / 2 - 0.25, [1] * 4, [0] * 4
             return
-        hurries = self.pushed and not self.high_left and not all(self.stands)
+        hurries = self.pushed and not all(self.stands)
         self.phase = (self.phase + (tuning.HURRY if hurries else 1.0) * self.dt / self.f.cycle_s) % 1.0
-        if hurries and not self.was_pushed:
+        if hurries and not self.was_pushed and not self.high_left:
             self.phase += max(0.0, 1 - 2 * self.u) * (1 - tuning.STANCE_SHARE)
         for leg in range(4):
             part = (self.phase + 0.5 * LATER[leg]) % 1.0 - tuning.STANCE_SHARE
