@@ -2,7 +2,7 @@
 
 One that is pushed steps sooner: a body that tips falls the faster the longer it falls, and while it waits for the feet
 in the air to come down in their usual time they strike the ground, and it goes over them. So swings go on faster, and
-feet that have just begun to swing come down again at once; not in high swings, whose feet would come down on the edge.
+feet that have just begun to swing come down again at once. What comes down an edge with high swings is not pushed.
 """
 
 from ..body.params import LEGS, Params
@@ -27,7 +27,7 @@ def go_on(params: Params, walk: Trot, still: int) -> None:
     step = setup.phase_step_q20
     if state.pushed and state.swinging:
         step = setup.hurried_step_q20
-        if state.pushed == 1 and state.high_left == 0:
+        if state.pushed == 1:
             step += skip_top(params, state.swing_q15)
     if walk.wish.moving == 0:
         state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)

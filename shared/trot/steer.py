@@ -41,8 +41,10 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) ->
     state.drive.x = state.foot_speed.x + (state.drift_q8.x >> 8)
     state.drive.y = state.foot_speed.y + (state.drift_q8.y >> 8)
     pushed = too_fast(params, state.seen.x, state.foot_speed.x) | too_fast(params, state.seen.y, state.foot_speed.y)
-    if pushed and state.pushed:
-        pushed = 2
+    if state.pushed:
+        pushed <<= 1
+    elif state.high_left:
+        pushed = 0
     state.pushed = pushed
     state.capture.x = capture_point(params, state.seen.x - state.foot_speed.x)
     state.capture.y = capture_point(params, state.seen.y - state.foot_speed.y)

@@ -192,6 +192,7 @@ class FloatTrot:
             self.drive[i] = foot + self.drift[i]
             self.pushed |= abs(self.seen[i]) - abs(foot) > tuning.PUSHED_FROUDE * math.sqrt(G * self.h)
             self.capture[i] = limit((self.seen[i] - foot) * self.f.capture_s, self.f.capture_most_m)
+        self.pushed &= bool(self.was_pushed or not self.high_left)
         if self.high_left:
             rest = sum(place[0] for place in self.f.rests_m) / 4 - pose[0]
             off = sum(foot[0] for foot in self.feet) / 4 - rest
@@ -240,7 +241,7 @@ class FloatTrot:
             return
         hurries = self.pushed and not all(self.stands)
         self.phase = (self.phase + (tuning.HURRY if hurries else 1.0) * self.dt / self.f.cycle_s) % 1.0
-        if hurries and not self.was_pushed and not self.high_left:
+        if hurries and not self.was_pushed:
             self.phase += max(0.0, 1 - 2 * self.u) * (1 - tuning.STANCE_SHARE)
         for leg in range(4):
             part = (self.phase + 0.5 * LATER[leg]) % 1.0 - tuning.STANCE_SHARE
