@@ -27,7 +27,7 @@ class TrotState:
     roll_18: int = field("2^-18 rad / tick", "turn about x, which levels it")
     pitch_18: int = field("2^-18 rad / tick", "turn about y")
     rise: int = field("lf / tick", "of the body")
-    pushed: int = field("", "1: the body goes faster than told, by more than walking does; 2: it did before, too")
+    pushed: int = field("", "1: since this tick the body goes faster than told, as walking does not; 2: for longer")
     capture: Spot = part(Spot, "foothold further on for a speed that is too much, lu")
     roll_q14: int = field("rad Q14", "tilt when this tick's goals act")
     pitch_q14: int = field("rad Q14", "the same about y")

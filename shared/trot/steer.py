@@ -40,12 +40,7 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) ->
         state.drift_q8.y = reach_speed(params, told_y, walk.odometry.speed.y, state.drift_q8.y)
     state.drive.x = state.foot_speed.x + (state.drift_q8.x >> 8)
     state.drive.y = state.foot_speed.y + (state.drift_q8.y >> 8)
-    pushed = too_fast(params, state.seen.x, state.foot_speed.x) | too_fast(params, state.seen.y, state.foot_speed.y)
-    if state.pushed:
-        pushed <<= 1
-    elif state.high_left:
-        pushed = 0
-    state.pushed = pushed
+    feel_push(params, walk)
     state.capture.x = capture_point(params, state.seen.x - state.foot_speed.x)
     state.capture.y = capture_point(params, state.seen.y - state.foot_speed.y)
     if state.high_left:
@@ -65,18 +60,36 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) ->
 
 
 @hot
-def too_fast(params: Params, seen: int, told: int) -> int:
-    """Return 1 if a measured speed is faster than the commanded one, by more than walking does; else 0. Both lf / tick.
+def feel_push(params: Params, walk: Trot) -> None:
+    """Write whether the body goes faster than told, by more than walking does, since it was pushed.
 
-    A push against the way is none before it has turned the body round: one that is held up by an edge would hurry.
+    One that becomes so while swings are high comes down an edge. One that is held up by an edge is slower than told; so
+    a push against the way is none before it has turned the body round.
     """
+    state = walk.state
+    seen = state.seen.x
+    told = state.foot_speed.x
     if seen < 0:
         seen = -seen
     if told < 0:
         told = -told
-    if seen - told > params.trot.pushed_speed:
-        return 1
-    return 0
+    more = seen - told
+    seen = state.seen.y
+    told = state.foot_speed.y
+    if seen < 0:
+        seen = -seen
+    if told < 0:
+        told = -told
+    if seen - told > more:
+        more = seen - told
+    before = state.pushed
+    state.pushed = 0
+    if more <= params.trot.pushed_speed:
+        return
+    if before:
+        state.pushed = 2
+    elif state.high_left == 0:
+        state.pushed = 1
 
 
 @hot
