@@ -125,6 +125,14 @@ def _moving_first(values, dice):
     _moving(given, dice)
 
 
+def _lunging(values, dice):
+    """At speeds about those of a push."""
+    _live(values, dice)
+    for axis in range(2):
+        WALK.state.seen[axis] = dice.bits(20) - (1 << 19)
+    WALK.state.high_left = dice.bits(1)
+
+
 def _probe(name, module, arguments, watch=STATE, fit=_live, vectors=1):
     return Probe(name, getattr(module, name), arguments, watch=watch, fit=fit, begin=_begin, vectors=vectors)
 
@@ -136,6 +144,7 @@ PROBES = (
     _probe("free_feet", feel, (ROBOT, WALK), (WALK.free_q4,)),
     _probe("see_residual", feel, (ROBOT, WALK), (WALK.free_q4, WALK.residual)),
     _probe("steer", steer, (ROBOT, WALK, SPEED, TURNED, POSE)),
+    _probe("feel_push", steer, (ROBOT, WALK), (WALK.state,), fit=_lunging),
     Probe("capture_point", steer.capture_point, (ROBOT, INT30)),
     Probe("reach_speed", steer.reach_speed, (ROBOT, SPEED18, Range(-(1 << 22), 1 << 22), Range(-(1 << 26), 1 << 26))),
     _probe("wait_for_feet", steer, (ROBOT, WALK, POSE)),
@@ -145,6 +154,7 @@ PROBES = (
     Probe("turn_along", steer.turn_along, (BRAD,)),
     _probe("rise", steer, (ROBOT, WALK, POSE)),
     _probe("go_on", clock, (ROBOT, WALK, FLAG)),
+    Probe("skip_top", clock.skip_top, (ROBOT, SHARE)),
     _probe("stand_all", clock, (WALK,), fit=_done),
     _probe("react", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("held_up", react, (ROBOT, WALK, LEG), fit=_moving),
