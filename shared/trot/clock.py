@@ -26,9 +26,7 @@ def go_on(params: Params, walk: Trot, still: int) -> None:
     setup = params.trot
     step = setup.phase_step_q20
     if state.pushed and state.swinging:
-        step = setup.hurried_step_q20
-        if state.pushed == 1:
-            step += skip_top(params, state.swing_q15)
+        step = hurried_step(params, walk)
     if walk.wish.moving == 0:
         state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
         state.still_q20 = 0
@@ -73,14 +71,17 @@ def go_on(params: Params, walk: Trot, still: int) -> None:
 
 
 @hot
-def skip_top(params: Params, swing_q15: int) -> int:
-    """Return from before the middle of a swing how far in the cycle, Q20, as long after it is; from behind it 0.
+def hurried_step(params: Params, walk: Trot) -> int:
+    """Return how far one that is pushed goes on in the cycle in a tick of a swing, Q20.
 
-    There the feet are as high, and on their way down. Error at most 48. Intermediates: 2^15 * 2^14.
+    In the first one it goes from before the middle of the swing to as long after it: there the feet are as high, and on
+    their way down. Error at most 48. Intermediates: 2^15 * 2^14.
     """
-    if swing_q15 > _MIDDLE:
-        return 0
-    return (32767 - 2 * swing_q15) * (CYCLE_Q20 - params.trot.stance_q20 >> 5) >> 10
+    setup = params.trot
+    share = walk.state.swing_q15
+    if walk.state.pushed == 2 or share > _MIDDLE:
+        return setup.hurried_step_q20
+    return setup.hurried_step_q20 + ((32767 - 2 * share) * (CYCLE_Q20 - setup.stance_q20 >> 5) >> 10)
 
 
 @hot

@@ -67,29 +67,25 @@ def feel_push(params: Params, walk: Trot) -> None:
     a push against the way is none before it has turned the body round.
     """
     state = walk.state
-    seen = state.seen.x
-    told = state.foot_speed.x
-    if seen < 0:
-        seen = -seen
-    if told < 0:
-        told = -told
-    more = seen - told
-    seen = state.seen.y
-    told = state.foot_speed.y
-    if seen < 0:
-        seen = -seen
-    if told < 0:
-        told = -told
-    if seen - told > more:
-        more = seen - told
+    most = params.trot.pushed_speed
     before = state.pushed
     state.pushed = 0
-    if more <= params.trot.pushed_speed:
+    if overspeed(state.seen.x, state.foot_speed.x) <= most and overspeed(state.seen.y, state.foot_speed.y) <= most:
         return
     if before:
         state.pushed = 2
     elif state.high_left == 0:
         state.pushed = 1
+
+
+@hot
+def overspeed(seen: int, told: int) -> int:
+    """Return by how much a measured speed is faster than the commanded one, whichever way both point."""
+    if seen < 0:
+        seen = -seen
+    if told < 0:
+        told = -told
+    return seen - told
 
 
 @hot

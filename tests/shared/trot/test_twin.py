@@ -14,7 +14,7 @@ from shared.record import unpack
 from shared.sense.legs import MeasuredFeet, Sensing, sense_legs
 from shared.sense.odometry import Odometry
 from shared.sense.sensed import Sensed
-from shared.trot.clock import skip_top
+from shared.trot.clock import hurried_step
 from shared.trot.feet import free_way_q15, spare
 from shared.trot.state import CYCLE_Q20, Trot
 from shared.trot.trot import trot_start, trot_tick
@@ -206,12 +206,15 @@ def test_one_that_is_pushed_steps_sooner_in_both(ahead, rates, pushed):
 
 def test_the_top_of_a_swing_is_skipped_to_where_the_foot_is_as_high():
     """Over all shares of a swing and the lengths that it may have."""
-    params = Pair("caramelo", 50).params
+    pair = Pair("caramelo", 50)
+    params, walk = pair.params, pair.walk
+    walk.state.pushed = 1
     for stance_q20 in (CYCLE_Q20 >> 1, params.trot.stance_q20, CYCLE_Q20 * 3 >> 2):
         params.trot.stance_q20 = stance_q20
         for share in range(32768):
             exact = max(0.0, 1 - 2 * share / 32767) * (CYCLE_Q20 - stance_q20)
-            assert skip_top(params, share) == pytest.approx(exact, abs=48)
+            walk.state.swing_q15 = share
+            assert hurried_step(params, walk) - params.trot.hurried_step_q20 == pytest.approx(exact, abs=48)
 
 
 def test_a_leg_that_can_not_lift_is_not_pushed_on_in_both():
