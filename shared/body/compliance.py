@@ -8,6 +8,7 @@ carries what acts at the knee, because the calf's angle to the body is the other
 
 from ..num.fixed import cos_q15, mul_q15, saturate, sin_q15
 from ..runtime import Ints, const, hot
+from .feet import Feet
 from .params import Params
 
 _FORCE_MAX_Q12 = const(16383)  # four times the own weight
@@ -43,30 +44,31 @@ def sag(torque_lu: int, give_q16: int) -> int:
 
 
 @hot
-def sag_leg(params: Params, leg: int, foot: Ints, fx_q12: int, fy_q12: int, fz_q12: int, joints: Ints) -> None:
+def sag_leg(params: Params, leg: int, hip_feet: Feet, fx_q12: int, fy_q12: int, fz_q12: int, joints: Ints) -> None:
     """Add to the three angles of ``leg`` in ``joints`` what they will give under a force on its foot.
 
-    foot: 12 lu, from each hip in body axes, within +-32767; joints: 12 brad, the angles that reach it.
+    hip_feet: lu, each from its hip in body axes, within +-32767; joints: 12 brad, the angles that reach it.
     fx, fy, fz: the ground's push on the foot in body axes, Q12 of the robot's own weight, each limited to
     +-16383. Error at most 1.5 brad + 1e-4 of the sag. Intermediates as in torque and sag.
     """
+    foot = hip_feet.legs[leg]
     at = leg * 3
     fz = saturate(fz_q12, -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
-    x = foot[at]
+    x = foot.x
     thigh = joints[at + 1]
     length = params.legs[leg].thigh_length
     knee_x = -(length * sin_q15(thigh) + 0x4000 >> 15)  # mul_q15 without its call
     above = knee_x * fz + 2048 >> 12
     below = (x - knee_x) * fz + 2048 >> 12
-    around = foot[at + 1] * fz + 2048 >> 12
+    around = foot.y * fz + 2048 >> 12
     if fx_q12 or fy_q12:
         fx = saturate(fx_q12, -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
         fy = saturate(fy_q12, -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
         sine = sin_q15(joints[at])
         cosine = cos_q15(joints[at])
-        around -= torque(foot[at + 2], fy)
+        around -= torque(foot.z, fy)
         knee_drop = mul_q15(length, cos_q15(thigh))
-        drop = mul_q15(foot[at + 1], sine) - mul_q15(foot[at + 2], cosine)
+        drop = mul_q15(foot.y, sine) - mul_q15(foot.z, cosine)
         along = saturate(mul_q15(fz, cosine) - mul_q15(fy, sine), -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
         above = torque(knee_x, along) + torque(knee_drop, fx)
         below = torque(x - knee_x, along) + torque(drop - knee_drop, fx)

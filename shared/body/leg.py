@@ -12,6 +12,7 @@ in other axes. All four knee configurations differ only in the k of each leg.
 
 from ..num.fixed import atan2_brad18, cos_q15, isqrt, mul_q15, round_brad, round_sqrt, saturate, sin_q15
 from ..runtime import Ints, const, hot
+from .feet import Feet
 from .params import LEGS, Params
 
 LIMIT_HIP = const(8)
@@ -20,33 +21,34 @@ LIMIT_CALF = const(32)
 
 
 @hot
-def leg_forward(params: Params, leg: int, joints: Ints, feet: Ints) -> None:
+def leg_forward(params: Params, leg: int, joints: Ints, feet: Feet) -> None:
     """Write the foot of ``leg`` into ``feet`` from its three angles in ``joints``.
 
-    joints: 12 brad, any value (they wrap). feet: 12 lu, x y z from the hip in body axes.
+    joints: 12 brad, any value (they wrap). feet: lu, each from its hip in body axes.
     Error at most 3 lu + 4e-5 of the leg's length. Intermediates below 32767 * 32767 + 2^14.
     Paper A eqs 1-6 inverted (joint to foot).
     """
     base = params.legs[leg]
+    foot = feet.legs[leg]
     at = leg * 3
     l2 = base.thigh_length
     l3 = base.calf_length
     l1 = base.hip_length
     thigh = joints[at + 1]
     shank = thigh + joints[at + 2]
-    feet[at] = -mul_q15(l2, sin_q15(thigh)) - mul_q15(l3, sin_q15(shank))
+    foot.x = -mul_q15(l2, sin_q15(thigh)) - mul_q15(l3, sin_q15(shank))
     drop = mul_q15(l2, cos_q15(thigh)) + mul_q15(l3, cos_q15(shank))
     sine = sin_q15(joints[at])
     cosine = cos_q15(joints[at])
-    feet[at + 1] = mul_q15(l1, cosine) + mul_q15(drop, sine)
-    feet[at + 2] = mul_q15(l1, sine) - mul_q15(drop, cosine)
+    foot.y = mul_q15(l1, cosine) + mul_q15(drop, sine)
+    foot.z = mul_q15(l1, sine) - mul_q15(drop, cosine)
 
 
 @hot
-def leg_inverse(params: Params, leg: int, feet: Ints, joints: Ints) -> None:
+def leg_inverse(params: Params, leg: int, feet: Feet, joints: Ints) -> None:
     """Write the three angles of ``leg`` into ``joints`` for its foot in ``feet``.
 
-    feet: 12 lu from the hip in body axes, inside the reachable shell (reach_foot sees to that;
+    feet: lu, each from its hip in body axes, inside the reachable shell (reach_foot sees to that;
     outside it the nearest root is taken). joints: 12 brad, -32768 .. 32767. Never fails.
     Foot error through an exact forward kinematics: at most 0.05 mm for Caramelo and Parallel.
     Paper A eqs 1-6 without arccos: with d^2 = x^2 + a^2,
@@ -55,10 +57,11 @@ def leg_inverse(params: Params, leg: int, feet: Ints, joints: Ints) -> None:
     triangle, below (L1^2 + (L2+L3)^2) < 2^30.
     """
     base = params.legs[leg]
+    foot = feet.legs[leg]
     at = leg * 3
-    x = feet[at]
-    y = feet[at + 1]
-    z = feet[at + 2]
+    x = foot.x
+    y = foot.y
+    z = foot.z
     l1 = base.hip_length
     drop_sq = y * y + z * z - l1 * l1
     if drop_sq < 0:
@@ -82,16 +85,16 @@ def leg_inverse(params: Params, leg: int, feet: Ints, joints: Ints) -> None:
 
 
 @hot
-def plane_length(params: Params, leg: int, hip_feet: Ints) -> int:
+def plane_length(params: Params, leg: int, hip_feet: Feet) -> int:
     """Return the distance d from thigh joint to foot, lu, of ``leg``'s foot in ``hip_feet``, in reach or not.
 
-    hip_feet: 12 lu from the hips in body axes, any. Halves of the sides are limited to 16383 lu: 3 * 2^28 in the
+    hip_feet: lu from the hips in body axes, any. Halves of the sides are limited to 16383 lu: 3 * 2^28 in the
     sum of squares. Error at most 4 lu up to 32767 lu. With L1: d^2 = x^2 + y^2 + z^2 - L1^2 (paper A eqs 1-6).
     """
-    at = leg * 3
-    x = saturate(hip_feet[at] >> 1, -16383, 16383)
-    y = saturate(hip_feet[at + 1] >> 1, -16383, 16383)
-    z = saturate(hip_feet[at + 2] >> 1, -16383, 16383)
+    foot = hip_feet.legs[leg]
+    x = saturate(foot.x >> 1, -16383, 16383)
+    y = saturate(foot.y >> 1, -16383, 16383)
+    z = saturate(foot.z >> 1, -16383, 16383)
     side = params.legs[leg].hip_length >> 1
     return 2 * isqrt(x * x + y * y + z * z - side * side)
 

@@ -7,6 +7,7 @@ call costs as much as three of them.
 from ..num.fixed import arctans_brad18, round_roots
 from ..num.tables import SINE_LINES
 from ..runtime import Ints, const, hot, zeros
+from .feet import Feet
 from .params import JOINTS, LEGS, Params
 from .reach import reach_foot
 
@@ -50,8 +51,8 @@ def legs_waves(joints: Ints, waves: Ints) -> None:
 
 
 @hot
-def legs_forward(params: Params, joints: Ints, waves: Ints, feet: Ints) -> None:
-    """Write the four feet in the body, 12 lu, for 12 joints in brad (any value).
+def legs_forward(params: Params, joints: Ints, waves: Ints, feet: Feet) -> None:
+    """Write the four feet in the body, lu, for 12 joints in brad (any value).
 
     ``waves`` gets what legs_waves makes of the joints. Error as leg_forward. Intermediates below 32767 * 32767 + 2^14.
     """
@@ -59,6 +60,7 @@ def legs_forward(params: Params, joints: Ints, waves: Ints, feet: Ints) -> None:
     at = 0
     for leg in range(LEGS):
         limb = params.legs[leg]
+        foot = feet.legs[leg]
         upper = limb.thigh_length
         lower = limb.calf_length
         side = limb.hip_length
@@ -66,32 +68,30 @@ def legs_forward(params: Params, joints: Ints, waves: Ints, feet: Ints) -> None:
         cosine = waves[at + JOINTS]
         drop = (upper * waves[at + JOINTS + 1] + 0x4000 >> 15) + (lower * waves[at + JOINTS + 2] + 0x4000 >> 15)
         ahead = (upper * waves[at + 1] + 0x4000 >> 15) + (lower * waves[at + 2] + 0x4000 >> 15)
-        feet[at] = limb.hip.x - ahead
-        feet[at + 1] = limb.hip.y + (side * cosine + 0x4000 >> 15) + (drop * sine + 0x4000 >> 15)
-        feet[at + 2] = limb.hip.z + (side * sine + 0x4000 >> 15) - (drop * cosine + 0x4000 >> 15)
+        foot.x = limb.hip.x - ahead
+        foot.y = limb.hip.y + (side * cosine + 0x4000 >> 15) + (drop * sine + 0x4000 >> 15)
+        foot.z = limb.hip.z + (side * sine + 0x4000 >> 15) - (drop * cosine + 0x4000 >> 15)
         at += 3
 
 
 @hot
-def legs_inverse(params: Params, hip_feet: Ints, work: LegsWork, joints: Ints) -> int:
-    """Write 12 joints in brad for the feet in ``hip_feet``, 12 lu from the hips; return why some were moved, or 0.
+def legs_inverse(params: Params, hip_feet: Feet, work: LegsWork, joints: Ints) -> int:
+    """Write 12 joints in brad for the feet in ``hip_feet``, lu from the hips; return why some were moved, or 0.
 
     A foot out of reach is first brought into it, in ``hip_feet`` (reach.py). Error and intermediates as leg_inverse.
     """
     squares = work.squares
     flags = reach_feet(params, hip_feet, work.squares)
     round_roots(work.squares, work.drops, LEGS)
-    at = 0
     for leg in range(LEGS):
         limb = params.legs[leg]
-        x = hip_feet[at]
+        x = hip_feet.legs[leg].x
         length_sq = x * x
         if squares[leg] > 0:
             length_sq += squares[leg]
         work.lengths[leg] = length_sq
         squares[leg + LEGS] = length_sq - limb.inner_sq
         squares[leg] = limb.outer_sq - length_sq
-        at += 3
     round_roots(work.squares, work.roots, 2 * LEGS)
     fill_turns(params, hip_feet, work)
     finish_turns(params, work, joints)
@@ -99,19 +99,19 @@ def legs_inverse(params: Params, hip_feet: Ints, work: LegsWork, joints: Ints) -
 
 
 @hot
-def reach_feet(params: Params, hip_feet: Ints, squares: Ints) -> int:
-    """Bring the feet of ``hip_feet``, 12 lu from the hips, into reach (reach.py); return why some were moved, or 0.
+def reach_feet(params: Params, hip_feet: Feet, squares: Ints) -> int:
+    """Bring the feet of ``hip_feet``, lu from the hips, into reach (reach.py); return why some were moved, or 0.
 
     Those that are surely within it are not looked at twice. Writes the squares of how far the feet are from the hips'
     axes across the legs' planes, lu^2. Part of legs_inverse.
     """
     flags = 0
-    at = 0
     for leg in range(LEGS):
         limb = params.legs[leg]
-        x = hip_feet[at]
-        y = hip_feet[at + 1]
-        z = hip_feet[at + 2]
+        foot = hip_feet.legs[leg]
+        x = foot.x
+        y = foot.y
+        z = foot.z
         side = limb.hip_length
         sure = 0
         if x <= 32767 and x >= -32767 and y <= 32767 and y >= -32767 and z <= 32767 and z >= -32767:
@@ -123,15 +123,14 @@ def reach_feet(params: Params, hip_feet: Ints, squares: Ints) -> int:
                 sure = 1
         if sure == 0:
             flags |= reach_foot(params, leg, hip_feet, hip_feet)
-            y = hip_feet[at + 1]
-            z = hip_feet[at + 2]
+            y = foot.y
+            z = foot.z
         squares[leg] = y * y + z * z - side * side
-        at += 3
     return flags
 
 
 @hot
-def fill_turns(params: Params, hip_feet: Ints, work: LegsWork) -> None:
+def fill_turns(params: Params, hip_feet: Feet, work: LegsWork) -> None:
     """Write what the joints' arctangents are taken of, and take them. Part of legs_inverse.
 
     Of the hip: one arctangent of the product of two complex numbers. Of the thigh: towards the foot. Of the calf: half
@@ -144,13 +143,14 @@ def fill_turns(params: Params, hip_feet: Ints, work: LegsWork) -> None:
     at = 0
     for leg in range(LEGS):
         limb = params.legs[leg]
+        foot = hip_feet.legs[leg]
         drop = work.drops[leg]
-        y = hip_feet[at + 1]
-        z = hip_feet[at + 2]
+        y = foot.y
+        z = foot.z
         side = limb.hip_length
         rises[at] = y * drop + z * side
         runs[at] = y * side - z * drop
-        rises[at + 1] = hip_feet[at]
+        rises[at + 1] = foot.x
         runs[at + 1] = drop
         rises[at + 2] = roots[leg]
         runs[at + 2] = roots[leg + LEGS]

@@ -10,6 +10,7 @@ from ..num.fixed import saturate
 from ..record import field, part, parts, record, vector
 from ..runtime import Ints, const, hot
 from .axes import Spot
+from .feet import Feet
 from .params import LEGS
 
 
@@ -33,11 +34,11 @@ _UNIT_HALF = const(16)
 
 @hot
 def load_share(
-    feet: Ints, weights: Ints, com_x: int, com_y: int, weight_q12: int, planar: int, block: Load
+    feet: Feet, weights: Ints, com_x: int, com_y: int, weight_q12: int, planar: int, block: Load
 ) -> int:
     """Write into the block the share of each foot of ``weight_q12``; return 1 if any foot stands, else 0.
 
-    feet: 12 lu, x y z in any frame that is level; weights: 4 values, 0 .. 256, how much each foot stands;
+    feet: lu in any frame that is level; weights: 4 values, 0 .. 256, how much each foot stands;
     com_x, com_y: lu in the same frame; all within +-32767 lu. weight: 0 .. 16383, Q12 of the own weight.
     planar: 1 leaves out y, because something else holds the roll. No foot pulls: shares are limited to
     0 .. weight. Error at most 1 % of the weight where four feet span 0.2 of the largest leg or more.
@@ -71,7 +72,7 @@ def load_share(
 
 
 @hot
-def load_moments(feet: Ints, weights: Ints, planar: int, block: Load) -> int:
+def load_moments(feet: Feet, weights: Ints, planar: int, block: Load) -> int:
     """Write the weighted middle of the feet, their arms and second moments about it; return the sum of the weights.
 
     Arguments as load_share's. The moments are shortened until xx + yy has 14 bits. Intermediates: 256 * 1023^2.
@@ -80,21 +81,27 @@ def load_moments(feet: Ints, weights: Ints, planar: int, block: Load) -> int:
     total = weights[0] + weights[1] + weights[2] + weights[3]
     if total <= 0:
         return 0
-    middle_x = (feet[0] * weights[0] + feet[3] * weights[1] + feet[6] * weights[2] + feet[9] * weights[3]) // total
-    middle_y = (feet[1] * weights[0] + feet[4] * weights[1] + feet[7] * weights[2] + feet[10] * weights[3]) // total
+    middle_x = 0
+    middle_y = 0
+    for leg in range(LEGS):
+        foot = feet.legs[leg]
+        middle_x += foot.x * weights[leg]
+        middle_y += foot.y * weights[leg]
+    middle_x //= total
+    middle_y //= total
     xx = 0
     xy = 0
     yy = 0
-    at = 0
     for leg in range(LEGS):
         weight = weights[leg]
         if weight > 0:
-            x = feet[at] - middle_x + _UNIT_HALF >> _UNIT_BITS
+            foot = feet.legs[leg]
+            x = foot.x - middle_x + _UNIT_HALF >> _UNIT_BITS
             if x > 1023 or x < -1023:
                 x = saturate(x, -1023, 1023)
             y = 0
             if planar == 0:
-                y = feet[at + 1] - middle_y + _UNIT_HALF >> _UNIT_BITS
+                y = foot.y - middle_y + _UNIT_HALF >> _UNIT_BITS
                 if y > 1023 or y < -1023:
                     y = saturate(y, -1023, 1023)
             arm = block.arms[leg]
@@ -103,7 +110,6 @@ def load_moments(feet: Ints, weights: Ints, planar: int, block: Load) -> int:
             xx += x * x * weight >> 8
             xy += x * y * weight >> 8
             yy += y * y * weight >> 8
-        at += 3
     shift = 0
     while xx + yy > 16383:
         xx >>= 1

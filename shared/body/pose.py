@@ -8,6 +8,7 @@ R^T (p - c) - h from a hip at h, with c the commanded translation (its eqs 9 and
 from ..num.fixed import cos_q15, saturate, sin_q15
 from ..runtime import Ints, hot
 from .axes import Pose
+from .feet import Feet
 from .params import Params
 
 
@@ -50,25 +51,26 @@ def body_rotation(pose: Pose, rotation: Ints) -> None:
 
 
 @hot
-def body_to_hip(params: Params, leg: int, pose: Pose, rotation: Ints, feet: Ints, hip_feet: Ints) -> None:
+def body_to_hip(params: Params, leg: int, pose: Pose, rotation: Ints, feet: Feet, hip_feet: Feet) -> None:
     """Write R^T (p - c) - h of ``leg`` into ``hip_feet`` (paper A eq 9).
 
-    feet: 12 lu in the base frame; hip_feet: 12 lu from each hip in body axes. p - c is limited
+    feet: lu in the base frame; hip_feet: lu, each from its hip in body axes. p - c is limited
     to +-65535 lu an axis. Error at most 0.08 mm at the foot for Caramelo and Parallel.
     Intermediates: 65535 * 16384 + 2^13 < 2^30 in each product.
     """
     hip = params.legs[leg].hip
-    at = leg * 3
-    x = feet[at] - pose.x
-    y = feet[at + 1] - pose.y
-    z = feet[at + 2] - pose.z
+    base = feet.legs[leg]
+    foot = hip_feet.legs[leg]
+    x = base.x - pose.x
+    y = base.y - pose.y
+    z = base.z - pose.z
     if x > 65535 or x < -65535 or y > 65535 or y < -65535 or z > 65535 or z < -65535:
         x = saturate(x, -65535, 65535)
         y = saturate(y, -65535, 65535)
         z = saturate(z, -65535, 65535)
     turned = (x * rotation[0] + 0x2000 >> 14) + (y * rotation[3] + 0x2000 >> 14) + (z * rotation[6] + 0x2000 >> 14)
-    hip_feet[at] = turned - hip.x
+    foot.x = turned - hip.x
     turned = (x * rotation[1] + 0x2000 >> 14) + (y * rotation[4] + 0x2000 >> 14) + (z * rotation[7] + 0x2000 >> 14)
-    hip_feet[at + 1] = turned - hip.y
+    foot.y = turned - hip.y
     turned = (x * rotation[2] + 0x2000 >> 14) + (y * rotation[5] + 0x2000 >> 14) + (z * rotation[8] + 0x2000 >> 14)
-    hip_feet[at + 2] = turned - hip.z
+    foot.z = turned - hip.z

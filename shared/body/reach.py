@@ -13,7 +13,8 @@ one more than 3 lu outside never does.
 """
 
 from ..num.fixed import isqrt, round_sqrt
-from ..runtime import Ints, const, hot
+from ..runtime import const, hot
+from .feet import Feet
 from .params import Params
 
 TOO_FAR = const(1)
@@ -35,16 +36,17 @@ def scale_down(value: int, numerator: int, denominator: int) -> int:
 
 
 @hot
-def reach_foot(params: Params, leg: int, feet: Ints, reached: Ints) -> int:
+def reach_foot(params: Params, leg: int, feet: Feet, reached: Feet) -> int:
     """Copy the foot of ``leg`` from ``feet`` to ``reached``, clamped if it must be; return why: 0 or the flags.
 
-    feet, reached: 12 lu, x y z of each leg from its hip; any 30 bits. Error 5 lu. Intermediates: 3/4 of 2^30 (quarter).
+    feet, reached: lu, each from its hip; any 30 bits. Error 5 lu. Intermediates: 3/4 of 2^30 (quarter).
     """
     limb = params.legs[leg]
-    at = leg * 3
-    x = feet[at]
-    y = feet[at + 1]
-    z = feet[at + 2]
+    wanted = feet.legs[leg]
+    foot = reached.legs[leg]
+    x = wanted.x
+    y = wanted.y
+    z = wanted.z
     flags = 0
     while x > 32767 or x < -32767 or y > 32767 or y < -32767 or z > 32767 or z < -32767:
         x >>= 1
@@ -65,34 +67,35 @@ def reach_foot(params: Params, leg: int, feet: Ints, reached: Ints) -> int:
         ahead_sq = x * x
         aside_sq = y * y
         down_sq = z * z
-    reached[at] = x
-    reached[at + 1] = y
-    reached[at + 2] = z
+    foot.x = x
+    foot.y = y
+    foot.z = z
     radius = limb.hip_length
     if radius < 0:
         radius = -radius
     if radius > 1 and aside_sq + down_sq < (radius - 1) * (radius - 1):
-        flags |= leave_hip(params, leg, radius, reached, at)
-        ahead_sq = reached[at] * reached[at]
-        aside_sq = reached[at + 1] * reached[at + 1]
-        down_sq = reached[at + 2] * reached[at + 2]
+        flags |= leave_hip(params, leg, radius, reached)
+        ahead_sq = foot.x * foot.x
+        aside_sq = foot.y * foot.y
+        down_sq = foot.z * foot.z
     near = limb.shortest
     if near > 2 and ahead_sq + aside_sq + down_sq < (near - 2) * (near - 2):
-        flags |= leave_centre(near, reached, at)
+        flags |= leave_centre(near, leg, reached)
     return flags
 
 
 @hot
-def leave_hip(params: Params, leg: int, radius: int, reached: Ints, at: int) -> int:
-    """Move the foot at ``reached[at]`` out of the hip offset; return INSIDE_HIP, with TOO_FAR if x gave way.
+def leave_hip(params: Params, leg: int, radius: int, reached: Feet) -> int:
+    """Move the foot of ``leg`` in ``reached`` out of the hip offset; return INSIDE_HIP, with TOO_FAR if x gave way.
 
     Used by reach_foot, on a foot within reach. Without a ray, on the hip axis, the way out is down. y and z
     are first doubled until one has 14 bits, so that a foot close to the axis keeps its direction.
     Intermediates: 32767 * 32767 at most.
     """
     limb = params.legs[leg]
-    y = reached[at + 1]
-    z = reached[at + 2]
+    foot = reached.legs[leg]
+    y = foot.y
+    z = foot.z
     doubled = 0
     if y == 0 and z == 0:
         z = -radius
@@ -101,9 +104,9 @@ def leave_hip(params: Params, leg: int, radius: int, reached: Ints, at: int) -> 
         z <<= 1
         doubled += 1
     around = round_sqrt(y * y + z * z)
-    reached[at + 1] = scale_down(y, radius, around)
-    reached[at + 2] = scale_down(z, radius, around)
-    x = reached[at]
+    foot.y = scale_down(y, radius, around)
+    foot.z = scale_down(z, radius, around)
+    x = foot.x
     size = x
     if size < 0:
         size = -size
@@ -117,28 +120,29 @@ def leave_hip(params: Params, leg: int, radius: int, reached: Ints, at: int) -> 
         flags |= TOO_FAR
     if x < 0:
         size = -size
-    reached[at] = size
+    foot.x = size
     return flags
 
 
 @hot
-def leave_centre(near: int, reached: Ints, at: int) -> int:
-    """Move the foot at ``reached[at]`` out along its ray to the shortest leg; return TOO_NEAR.
+def leave_centre(near: int, leg: int, reached: Feet) -> int:
+    """Move the foot of ``leg`` in ``reached`` out along its ray to the shortest leg; return TOO_NEAR.
 
     Used by reach_foot, on a foot outside the hip offset. At the hip itself there is no ray: straight down.
     """
-    x = reached[at]
-    y = reached[at + 1]
-    z = reached[at + 2]
+    foot = reached.legs[leg]
+    x = foot.x
+    y = foot.y
+    z = foot.z
     if x == 0 and y == 0 and z == 0:
-        reached[at + 2] = -near
+        foot.z = -near
         return TOO_NEAR
     while x < 0x2000 and x > -0x2000 and y < 0x2000 and y > -0x2000 and z < 0x2000 and z > -0x2000:
         x <<= 1
         y <<= 1
         z <<= 1
     distance = isqrt(x * x + y * y + z * z)
-    reached[at] = scale_down(x, near, distance)
-    reached[at + 1] = scale_down(y, near, distance)
-    reached[at + 2] = scale_down(z, near, distance)
+    foot.x = scale_down(x, near, distance)
+    foot.y = scale_down(y, near, distance)
+    foot.z = scale_down(z, near, distance)
     return TOO_NEAR

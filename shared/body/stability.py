@@ -7,6 +7,7 @@ margin is never above 0; four, three or two go through the same few lines.
 from ..num.fixed import hypot, isqrt, saturate
 from ..runtime import Ints, const, hot
 from .axes import Spot
+from .feet import Feet
 from .params import LEGS
 
 NO_SUPPORT = const(-32768)  # no foot stands
@@ -29,16 +30,18 @@ def next_standing(weights: Ints, place: int) -> int:
 
 
 @hot
-def edge_margin(feet: Ints, one: int, other: int, x: int, y: int) -> int:
+def edge_margin(feet: Feet, one: int, other: int, x: int, y: int) -> int:
     """Return how far (x, y) lies to the left of the line from foot ``one`` to foot ``other``, lu.
 
     Feet and point within +-32767 lu. Two feet in one place: minus the distance to them. Error at most 8 lu.
     Intermediates: 16383 * 16383 * 2 < 2^30.
     """
-    from_x = feet[one * 3]
-    from_y = feet[one * 3 + 1]
-    along_x = feet[other * 3] - from_x >> 2
-    along_y = feet[other * 3 + 1] - from_y >> 2
+    first = feet.legs[one]
+    then = feet.legs[other]
+    from_x = first.x
+    from_y = first.y
+    along_x = then.x - from_x >> 2
+    along_y = then.y - from_y >> 2
     length = isqrt(along_x * along_x + along_y * along_y)
     if length == 0:
         return -hypot(x - from_x, y - from_y)
@@ -47,10 +50,10 @@ def edge_margin(feet: Ints, one: int, other: int, x: int, y: int) -> int:
 
 
 @hot
-def support_margin(feet: Ints, weights: Ints, x: int, y: int) -> int:
+def support_margin(feet: Feet, weights: Ints, x: int, y: int) -> int:
     """Return the margin in lu of the point (x, y) in the polygon of the standing feet; above 0 is inside.
 
-    feet: 12 lu in a level frame; weights: 4 values, above 0 for a foot that stands; all within +-32767 lu.
+    feet: lu in a level frame; weights: 4 values, above 0 for a foot that stands; all within +-32767 lu.
     NO_SUPPORT without a foot; with one, minus the distance to it. Error at most 8 lu.
     """
     margin = 0x1FFFF
@@ -75,7 +78,7 @@ def support_margin(feet: Ints, weights: Ints, x: int, y: int) -> int:
 
 
 @hot
-def point_inside(feet: Ints, weights: Ints, margin: int, point: Spot) -> None:
+def point_inside(feet: Feet, weights: Ints, margin: int, point: Spot) -> None:
     """Move ``point`` (lu) until it is ``margin`` inside every edge of the support.
 
     Moves square to the most violated edge, at most 8 times: near the closest such point, or, where the
@@ -97,8 +100,10 @@ def point_inside(feet: Ints, weights: Ints, margin: int, point: Spot) -> None:
                     other = then
         if least >= margin - 4 or one == other:
             return
-        along_x = feet[other * 3] - feet[one * 3] >> 3
-        along_y = feet[other * 3 + 1] - feet[one * 3 + 1] >> 3
+        start = feet.legs[one]
+        end = feet.legs[other]
+        along_x = end.x - start.x >> 3
+        along_y = end.y - start.y >> 3
         length = hypot(along_x, along_y) + 1
         short = saturate(margin - least + 3, 0, 32767)
         point.x = saturate(point.x - along_y * short // length, -32767, 32767)

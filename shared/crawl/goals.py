@@ -42,16 +42,15 @@ def plan_loads(crawl: Crawl) -> int:
     planar = 0
     if params.lateral_q12 == 0:
         planar = 1
-    at = 0
     for leg in range(LEGS):
         weights[leg] = 0
         if support.stance[leg]:
             weights[leg] = support.share_q12[leg] >> 4
-        foot = crawl.map.feet[leg]
-        feet[at] = saturate(foot.x - path.wanted.x >> LF_BITS, -32767, 32767)
-        feet[at + 1] = saturate(foot.y - path.wanted.y >> LF_BITS, -32767, 32767)
-        feet[at + 2] = saturate(foot.z - path.wanted.z >> LF_BITS, -32767, 32767)
-        at += 3
+        place = crawl.map.feet[leg]
+        foot = feet.legs[leg]
+        foot.x = saturate(place.x - path.wanted.x >> LF_BITS, -32767, 32767)
+        foot.y = saturate(place.y - path.wanted.y >> LF_BITS, -32767, 32767)
+        foot.z = saturate(place.z - path.wanted.z >> LF_BITS, -32767, 32767)
     load_share(feet, weights, ahead, 0, saturate(support.weight_q12, 0, 16383), planar, crawl.load)
     for leg in range(LEGS):
         support.load_q12[leg] = crawl.load.wanted_q12[leg]
@@ -86,15 +85,14 @@ def foot_in_body(crawl: Crawl, leg: int, x_lf: int, y_lf: int, z_lf: int) -> Non
     Into ``crawl.feet``, lu. Each axis within +-32767 lu. Intermediates: 2 * 32767 * 16384 = 2^30 - 2^15.
     """
     pose = crawl.pose
-    feet = crawl.feet
-    at = leg * 3
+    foot = crawl.feet.legs[leg]
     x = saturate((x_lf + 128 >> LF_BITS) - pose.x, -32767, 32767)
     y = saturate((y_lf + 128 >> LF_BITS) - pose.y, -32767, 32767)
     cosine = cos_q15(pose.yaw) + 1 >> 1
     sine = sin_q15(pose.yaw) + 1 >> 1
-    feet[at] = x * cosine + y * sine >> 14
-    feet[at + 1] = y * cosine - x * sine >> 14
-    feet[at + 2] = saturate((z_lf + 128 >> LF_BITS) - pose.z, -32767, 32767)
+    foot.x = x * cosine + y * sine >> 14
+    foot.y = y * cosine - x * sine >> 14
+    foot.z = saturate((z_lf + 128 >> LF_BITS) - pose.z, -32767, 32767)
 
 
 @hot

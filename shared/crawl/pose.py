@@ -46,14 +46,12 @@ def mass_ahead(params: Params, pitch: int) -> int:
 @hot
 def take_feet(crawl: Crawl) -> None:
     """Write the map's feet into ``crawl.feet``, lu."""
-    feet = crawl.feet
-    at = 0
     for leg in range(LEGS):
-        foot = crawl.map.feet[leg]
-        feet[at] = foot.x >> LF_BITS
-        feet[at + 1] = foot.y >> LF_BITS
-        feet[at + 2] = foot.z >> LF_BITS
-        at += 3
+        place = crawl.map.feet[leg]
+        foot = crawl.feet.legs[leg]
+        foot.x = place.x >> LF_BITS
+        foot.y = place.y >> LF_BITS
+        foot.z = place.z >> LF_BITS
 
 
 @hot
@@ -73,7 +71,7 @@ def mass_target(crawl: Crawl, leg: int, wanted_x: int) -> None:
     take_feet(crawl)
     for other in range(LEGS):
         weights[other] = 1
-        x = feet[other * 3]
+        x = feet.legs[other].x
         if other == leg:
             weights[other] = 0
         else:

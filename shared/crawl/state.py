@@ -1,6 +1,7 @@
 """All that the crawl of one robot remembers, made beforehand: a tick allocates nothing."""
 
 from ..body.axes import POSE_AXES, Point, Pose, Spot
+from ..body.feet import Feet
 from ..body.load import Load
 from ..body.params import JOINTS, LEGS, Params
 from ..record import field, part, parts, record, vector
@@ -171,7 +172,7 @@ class Crawl:
         self.pose = Pose()
         self.level = Pose()
         self.rotation = zeros(9)
-        self.feet = zeros(JOINTS)
-        self.hip_feet = zeros(JOINTS)
-        self.reached = zeros(JOINTS)
+        self.feet = Feet()  # lu
+        self.hip_feet = Feet()  # lu from the hips
+        self.reached = Feet()  # the same, within reach
         self.joints = zeros(JOINTS)

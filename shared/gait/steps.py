@@ -7,10 +7,11 @@ stance (the symmetric point of Raibert's foot placement), so nothing accumulates
 """
 
 from ..body.axes import Twist
+from ..body.feet import Feet
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import saturate
 from ..record import field, parts, record
-from ..runtime import Ints, const, hot
+from ..runtime import const, hot
 from .swing import cycloid_q15, lift_q15, swing_phase_q16
 from .table import Clock, Gait
 
@@ -157,10 +158,10 @@ def move_feet(steps: Steps, speed: Twist, ticks_q10: int) -> None:
 
 
 @hot
-def place_feet(params: Params, gait: Gait, steps: Steps, speed: Twist, height_lu: int, feet: Ints) -> int:
+def place_feet(params: Params, gait: Gait, steps: Steps, speed: Twist, height_lu: int, feet: Feet) -> int:
     """Write where all four feet are to be in this tick into ``feet``; return the legs in swing, bits.
 
-    feet: 12 lu in the base frame. height_lu: lift above the line from foothold to foothold.
+    feet: lu in the base frame. height_lu: lift above the line from foothold to foothold.
     """
     swinging = 0
     for leg in range(LEGS):
@@ -169,15 +170,16 @@ def place_feet(params: Params, gait: Gait, steps: Steps, speed: Twist, height_lu
             swinging |= 1 << leg
             swing_foot(params, gait, steps, speed, leg, height_lu, feet)
         else:
-            feet[leg * 3] = step.x >> LF_BITS
-            feet[leg * 3 + 1] = step.y >> LF_BITS
-            feet[leg * 3 + 2] = step.z
+            foot = feet.legs[leg]
+            foot.x = step.x >> LF_BITS
+            foot.y = step.y >> LF_BITS
+            foot.z = step.z
     return swinging
 
 
 @hot
 def swing_foot(
-    params: Params, gait: Gait, steps: Steps, speed: Twist, leg: int, height_lu: int, feet: Ints
+    params: Params, gait: Gait, steps: Steps, speed: Twist, leg: int, height_lu: int, feet: Feet
 ) -> None:
     """Write one swing foot into ``feet`` (paper A eqs 11-14) and take its sample.
 
@@ -186,6 +188,7 @@ def swing_foot(
     which is where the foot stands in the tick after. Intermediates: 32767 * 32768 < 2^30.
     """
     step = steps.legs[leg]
+    foot = feet.legs[leg]
     samples = step.ticks
     sample = step.tick
     if sample == 0:
@@ -201,10 +204,10 @@ def swing_foot(
     ahead = (gait.stance_q10[leg] >> 1) + step.left_q10
     to_x = foothold_x(params, leg, speed, ahead)
     to_y = foothold_y(params, leg, speed, ahead)
-    feet[leg * 3] = between(step.x, to_x, share)
-    feet[leg * 3 + 1] = between(step.y, to_y, share)
+    foot.x = between(step.x, to_x, share)
+    foot.y = between(step.y, to_y, share)
     rise = (step.to_z - step.z) * share + 0x4000 >> 15
-    feet[leg * 3 + 2] = step.z + rise + (step.height * lift_q15(phase) + 0x4000 >> 15)
+    foot.z = step.z + rise + (step.height * lift_q15(phase) + 0x4000 >> 15)
     step.tick = sample
     if sample >= samples:
         step.x = to_x

@@ -61,8 +61,8 @@ def solve_legs(planner: PlannerState, joints: Ints) -> int:
         body_to_hip(planner.params, leg, planner.posed, planner.rotation, planner.feet, planner.hip_feet)
         flags = 0
         highest = planner.params.legs[leg].clearance
-        if planner.hip_feet[leg * 3 + 2] > highest:
-            planner.hip_feet[leg * 3 + 2] = highest
+        if planner.hip_feet.legs[leg].z > highest:
+            planner.hip_feet.legs[leg].z = highest
             flags = TOO_NEAR
         flags |= reach_foot(planner.params, leg, planner.hip_feet, planner.reached)
         leg_inverse(planner.params, leg, planner.reached, joints)
@@ -80,11 +80,11 @@ def tell_margin(planner: PlannerState) -> None:
     """Write how far the centre of mass is inside the polygon of the standing feet into the status."""
     params = planner.params
     status = planner.status
-    at = 0
     for leg in range(LEGS):
         hip = params.legs[leg].hip
-        for axis in range(2):
-            planner.margin_feet[at + axis] = saturate(planner.reached[at + axis] + hip[axis], -32767, 32767)
-        at += 3
+        reached = planner.reached.legs[leg]
+        foot = planner.margin_feet.legs[leg]
+        foot.x = saturate(reached.x + hip.x, -32767, 32767)
+        foot.y = saturate(reached.y + hip.y, -32767, 32767)
         planner.weights[leg] = 1 - (status.swinging >> leg & 1)
     status.margin = support_margin(planner.margin_feet, planner.weights, params.com_x, params.com_y)

@@ -2,6 +2,7 @@
 
 from ..body.axes import Pose, Twist
 from ..body.balance import Balance, balance_setup
+from ..body.feet import Feet
 from ..body.params import JOINTS, LEGS, Params
 from ..crawl.crawl import Crawl
 from ..gait.gaits import GAITS, gait_for
@@ -46,8 +47,8 @@ class PlannerState:
         self.feet = self.trot.planned  # lu in the body; the other movers write into the same places as the trot
         self.reached = self.trot.hip_feet  # lu from the hips
         self.leg_flags = self.trot.flags
-        self.hip_feet = zeros(JOINTS)
-        self.margin_feet = zeros(JOINTS)  # lu in the body, of which the margin is told
+        self.hip_feet = Feet()
+        self.margin_feet = Feet()  # lu in the body, of which the margin is told
         self.weights = zeros(LEGS)  # 1: the foot stands
         self.goal = zeros(JOINTS)  # what is wanted of the joints; they go there as fast as they can
         self.joints = zeros(JOINTS)

@@ -163,7 +163,7 @@ def settle(planner: PlannerState) -> None:
 def fold_legs(planner: PlannerState) -> None:
     """Raise all planned feet to the seat's height under the hips."""
     for leg in range(LEGS):
-        planner.feet[leg * 3 + 2] = planner.params.legs[leg].hip.z + planner.params.sit_z
+        planner.feet.legs[leg].z = planner.params.legs[leg].hip.z + planner.params.sit_z
 
 
 @hot

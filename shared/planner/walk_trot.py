@@ -2,7 +2,7 @@
 
 from ..body.axes import POSE_AXES
 from ..body.legs import legs_forward
-from ..body.params import JOINTS, LF_BITS
+from ..body.params import LEGS, LF_BITS
 from ..gait.steps import steps_reset
 from ..gait.table import MOVER_CRAWL, MOVER_TROT
 from ..num.fixed import saturate
@@ -23,8 +23,12 @@ def start_trot(planner: PlannerState) -> None:
     """Begin where the goals sent last have the feet."""
     trot_reset(planner.params, planner.trot)
     legs_forward(planner.params, planner.joints, planner.trot.work.waves, planner.feet)
-    for at in range(JOINTS):
-        planner.trot.feet[at] = planner.feet[at] << LF_BITS
+    for leg in range(LEGS):
+        foot = planner.trot.feet.legs[leg]
+        planned = planner.feet.legs[leg]
+        foot.x = planned.x << LF_BITS
+        foot.y = planned.y << LF_BITS
+        foot.z = planned.z << LF_BITS
     for axis in range(POSE_AXES):
         planner.trot.posed[axis] = planner.pose[axis]
     solve(planner.params, planner.trot)

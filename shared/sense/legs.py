@@ -11,6 +11,7 @@ with t2' = t2 where the calf's motor is on the body (paper B).
 """
 
 from ..body.axes import Point, Spot
+from ..body.feet import Feet
 from ..body.legs import legs_forward
 from ..body.params import JOINTS, LEGS, Params
 from ..num.fixed import cos_q15, saturate, sin_q15
@@ -22,8 +23,8 @@ class MeasuredFeet:
     """The feet that the measured joints have, in the body, from the middle of the hips."""
 
     def __init__(self) -> None:
-        self.now = zeros(JOINTS)  # lu
-        self.before = zeros(JOINTS)  # lu, a tick ago
+        self.now = Feet()  # lu
+        self.before = Feet()  # lu, a tick ago
         self.waves = zeros(2 * JOINTS)  # Q15: sines of hip, thigh and shank of each leg, then their cosines
 
 
@@ -97,8 +98,7 @@ def sense_legs(
     sensing.answered = -1
     if sensing.known > params.sent_ticks:
         sensing.answered = (sensing.sent_at - params.sent_ticks & 15) * JOINTS
-    for at in range(JOINTS):
-        feet.before[at] = feet.now[at]
+    keep_before(feet)
     legs_forward(params, joints, feet.waves, feet.now)
     keep_feet(joints, feet.now, sensing)
     if sensing.answered >= 0:
@@ -113,7 +113,18 @@ def sense_legs(
 
 
 @hot
-def keep_feet(joints: Ints, feet: Ints, sensing: Sensing) -> None:
+def keep_before(feet: MeasuredFeet) -> None:
+    """Keep the feet of the tick before."""
+    for leg in range(LEGS):
+        now = feet.now.legs[leg]
+        before = feet.before.legs[leg]
+        before.x = now.x
+        before.y = now.y
+        before.z = now.z
+
+
+@hot
+def keep_feet(joints: Ints, feet: Feet, sensing: Sensing) -> None:
     """Turn the measured feet level into ``level``; write where their contacts had been without rolling.
 
     feet: lu within +-65534, because leg and hip are within 32767 lu each. ``rolled``: error at most 1/600 of the way
@@ -125,14 +136,15 @@ def keep_feet(joints: Ints, feet: Ints, sensing: Sensing) -> None:
     roll_cosine = sensing.roll_cosine_q13
     at = 0
     for leg in range(LEGS):
+        foot = feet.legs[leg]
         level = sensing.level[leg]
         rolled = sensing.rolled[leg]
-        ahead = feet[at] * cosine + feet[at + 2] * sine + 0x1000 >> 13
-        z = feet[at + 2] * cosine - feet[at] * sine + 0x1000 >> 13
-        aside = feet[at + 1] * roll_cosine - z * roll_sine + 0x1000 >> 13
+        ahead = foot.x * cosine + foot.z * sine + 0x1000 >> 13
+        z = foot.z * cosine - foot.x * sine + 0x1000 >> 13
+        aside = foot.y * roll_cosine - z * roll_sine + 0x1000 >> 13
         level.x = ahead
         level.y = aside
-        level.z = feet[at + 1] * roll_sine + z * roll_cosine + 0x1000 >> 13
+        level.z = foot.y * roll_sine + z * roll_cosine + 0x1000 >> 13
         shank = (joints[at + 1] + joints[at + 2] + sensing.pitch + 0x8000 & 0xFFFF) - 0x8000
         hip = (joints[at] + sensing.roll + 0x8000 & 0xFFFF) - 0x8000
         rolled.x = ahead - (sensing.rolls_q12 * shank >> 12)

@@ -45,7 +45,6 @@ def see_speed(params: Params, walk: Trot, turned: Ints) -> None:
     Intermediates: 2 * 16383 * 32767 < 2^30; a speed's error of 2^19 times 2^9.
     """
     state = walk.state
-    measured = walk.measured
     about_x = saturate(turned[0], -_TURN_MAX, _TURN_MAX)
     about_y = saturate(turned[1], -_TURN_MAX, _TURN_MAX)
     about_z = saturate(turned[2], -_TURN_MAX, _TURN_MAX)
@@ -53,16 +52,16 @@ def see_speed(params: Params, walk: Trot, turned: Ints) -> None:
     count = 0
     ahead = 0
     aside = 0
-    at = 0
     for leg in range(LEGS):
         if stood >> leg & 1:
-            x = measured[at] >> 1
-            y = measured[at + 1] >> 1
-            z = measured[at + 2] >> 1
-            ahead -= (measured[at] - walk.before[at] << LF_BITS) + (about_y * z - about_z * y >> 9)
-            aside -= (measured[at + 1] - walk.before[at + 1] << LF_BITS) + (about_z * x - about_x * z >> 9)
+            foot = walk.measured.legs[leg]
+            before = walk.before.legs[leg]
+            x = foot.x >> 1
+            y = foot.y >> 1
+            z = foot.z >> 1
+            ahead -= (foot.x - before.x << LF_BITS) + (about_y * z - about_z * y >> 9)
+            aside -= (foot.y - before.y << LF_BITS) + (about_z * x - about_x * z >> 9)
             count += 1
-        at += 3
     if count:
         share_q10 = params.trot.odometry_q10
         ahead = saturate(ahead // count - state.seen.x, -_SPEED_MAX, _SPEED_MAX)
@@ -74,9 +73,10 @@ def see_speed(params: Params, walk: Trot, turned: Ints) -> None:
 @hot
 def free_feet(params: Params, walk: Trot) -> None:
     """Begin the residuals: every foot is where it was sent."""
-    sent = (walk.state.ring_at - params.sent_ticks & 15) * 2 * LEGS
-    for at in range(2 * LEGS):
-        walk.free_q4[at] = walk.past_feet[sent + at] << 4
+    sent = (walk.state.ring_at - params.sent_ticks & 15) * LEGS
+    for leg in range(LEGS):
+        walk.free_x_q4[leg] = walk.past_x[sent + leg] << 4
+        walk.free_z_q4[leg] = walk.past_z[sent + leg] << 4
 
 
 @hot
@@ -86,22 +86,20 @@ def see_residual(params: Params, walk: Trot) -> None:
     That is its reference, as old as the bus is slow, behind what is not led of the drives' lag. Error of a step:
     1/16 lu. Intermediates: 2^17 * 2^12.
     """
-    free_q4 = walk.free_q4
     share_q12 = params.trot.free_lag_q12
-    sent = (walk.state.ring_at - params.sent_ticks & 15) * 2 * LEGS
-    foot = 0
-    for at in range(0, 2 * LEGS, 2):
-        ahead = free_q4[at]
-        up = free_q4[at + 1]
-        gap = (walk.past_feet[sent + at] << 4) - ahead
-        rise = (walk.past_feet[sent + at + 1] << 4) - up
+    sent = (walk.state.ring_at - params.sent_ticks & 15) * LEGS
+    for leg in range(LEGS):
+        foot = walk.measured.legs[leg]
+        ahead = walk.free_x_q4[leg]
+        up = walk.free_z_q4[leg]
+        gap = (walk.past_x[sent + leg] << 4) - ahead
+        rise = (walk.past_z[sent + leg] << 4) - up
         if gap > _GAP_MAX or gap < -_GAP_MAX or rise > _GAP_MAX or rise < -_GAP_MAX:
             gap = saturate(gap, -_GAP_MAX, _GAP_MAX)
             rise = saturate(rise, -_GAP_MAX, _GAP_MAX)
         ahead += gap * share_q12 + 2048 >> 12
         up += rise * share_q12 + 2048 >> 12
-        free_q4[at] = ahead
-        free_q4[at + 1] = up
-        walk.residual[at] = walk.measured[foot] - (ahead >> 4)
-        walk.residual[at + 1] = walk.measured[foot + 2] - (up >> 4)
-        foot += 3
+        walk.free_x_q4[leg] = ahead
+        walk.free_z_q4[leg] = up
+        walk.residual_x[leg] = foot.x - (ahead >> 4)
+        walk.residual_z[leg] = foot.z - (up >> 4)

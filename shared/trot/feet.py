@@ -26,21 +26,20 @@ def stand_feet(params: Params, walk: Trot) -> None:
     nothing up. Intermediates: 2 * 16383 * 32767 < 2^30.
     """
     state = walk.state
-    feet = walk.feet
     half = params.leg_length << LF_BITS - 1
     about_x = state.roll_18
     about_y = state.pitch_18
     about_z = state.turn_18
-    at = 0
     for leg in range(LEGS):
         if walk.stands[leg]:
             rest = params.legs[leg].rest
-            x = feet[at] >> LF_BITS + 1
-            y = feet[at + 1] >> LF_BITS + 1
-            z = feet[at + 2] >> LF_BITS + 1
-            x_lf = feet[at] - state.drive.x - (about_y * z - about_z * y >> 9)
-            y_lf = feet[at + 1] - state.drive.y - (about_z * x - about_x * z >> 9)
-            z_lf = feet[at + 2] - state.rise - (about_x * y - about_y * x >> 9) + spare(params, walk, leg)
+            foot = walk.feet.legs[leg]
+            x = foot.x >> LF_BITS + 1
+            y = foot.y >> LF_BITS + 1
+            z = foot.z >> LF_BITS + 1
+            x_lf = foot.x - state.drive.x - (about_y * z - about_z * y >> 9)
+            y_lf = foot.y - state.drive.y - (about_z * x - about_x * z >> 9)
+            z_lf = foot.z - state.rise - (about_x * y - about_y * x >> 9) + spare(params, walk, leg)
             off_x = x_lf - (rest.x << LF_BITS)
             off_y = y_lf - (rest.y << LF_BITS)
             off_z = z_lf - (rest.z << LF_BITS) << 1
@@ -48,10 +47,9 @@ def stand_feet(params: Params, walk: Trot) -> None:
                 x_lf += saturate(off_x, -half, half) - off_x
                 y_lf += saturate(off_y, -half, half) - off_y
                 z_lf += saturate(off_z, -half, half) - off_z >> 1
-            feet[at] = x_lf
-            feet[at + 1] = y_lf
-            feet[at + 2] = z_lf
-        at += 3
+            foot.x = x_lf
+            foot.y = y_lf
+            foot.z = z_lf
 
 
 @hot
@@ -63,7 +61,7 @@ def spare(params: Params, walk: Trot, leg: int) -> int:
     """
     if walk.state.known <= params.sent_ticks:
         return 0
-    over = saturate(walk.residual[leg * 2 + 1] - (params.leg_length * _PUSHED_Q10 >> 10), 0, _FAR)
+    over = saturate(walk.residual_z[leg] - (params.leg_length * _PUSHED_Q10 >> 10), 0, _FAR)
     return over * params.trot.raise_q16 >> 4
 
 
@@ -71,16 +69,15 @@ def spare(params: Params, walk: Trot, leg: int) -> int:
 def lift_off(walk: Trot, leg: int) -> None:
     """Begin the swing of ``leg``: keep where it starts, turned level with the tilt to come."""
     state = walk.state
-    feet = walk.feet
-    starts = walk.starts
-    at = leg * 3
-    x = feet[at] >> LF_BITS
-    y = feet[at + 1] >> LF_BITS
-    z = feet[at + 2] >> LF_BITS
-    starts[at + 1] = y - (z * state.roll_q14 >> 14)
+    foot = walk.feet.legs[leg]
+    start = walk.starts.legs[leg]
+    x = foot.x >> LF_BITS
+    y = foot.y >> LF_BITS
+    z = foot.z >> LF_BITS
+    start.y = y - (z * state.roll_q14 >> 14)
     z += y * state.roll_q14 >> 14
-    starts[at] = x + (z * state.pitch_q14 >> 14)
-    starts[at + 2] = z - (x * state.pitch_q14 >> 14)
+    start.x = x + (z * state.pitch_q14 >> 14)
+    start.z = z - (x * state.pitch_q14 >> 14)
     walk.ascent[leg] = 0
     walk.short[leg] = 0
 
@@ -140,7 +137,7 @@ def draw_back(params: Params, walk: Trot, leg: int, share_q15: int) -> None:
     back = mul_q15(params.trot.draw_back, 32767 - cos_q15(share_q15 << 2) >> 1)
     if walk.state.foot_speed.x < 0:
         back = -back
-    walk.feet[leg * 3] -= back << LF_BITS
+    walk.feet.legs[leg].x -= back << LF_BITS
 
 
 @hot
@@ -151,9 +148,9 @@ def swing_foot(params: Params, walk: Trot, leg: int, pose: Pose, share_q15: int,
     """
     state = walk.state
     setup = params.trot
-    starts = walk.starts
+    foot = walk.feet.legs[leg]
+    start = walk.starts.legs[leg]
     rest = params.legs[leg].rest
-    at = leg * 3
     x = rest.x + params.com_x - pose.x
     y = rest.y + params.com_y - pose.y
     turn_x = state.turn_18 * (y >> 1) >> 9
@@ -161,12 +158,12 @@ def swing_foot(params: Params, walk: Trot, leg: int, pose: Pose, share_q15: int,
     x += state.capture.x + ((state.foot_speed.x - turn_x >> 6) * setup.neutral_q8 >> 10)
     y += state.capture.y + ((state.foot_speed.y + turn_y >> 6) * setup.neutral_q8 >> 10)
     back = saturate((state.drive.x - turn_x >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
-    gap = saturate(x - starts[at] + back, -_FAR, _FAR)
-    x = starts[at] + mul_q15(gap, way_q15) - mul_q15(back, share_q15)
-    walk.feet[at] = x - walk.short[leg] << LF_BITS
+    gap = saturate(x - start.x + back, -_FAR, _FAR)
+    x = start.x + mul_q15(gap, way_q15) - mul_q15(back, share_q15)
+    foot.x = x - walk.short[leg] << LF_BITS
     back = saturate((state.drive.y + turn_y >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
-    gap = saturate(y - starts[at + 1] + back, -_FAR, _FAR)
-    walk.feet[at + 1] = starts[at + 1] + mul_q15(gap, way_q15) - mul_q15(back, share_q15) << LF_BITS
+    gap = saturate(y - start.y + back, -_FAR, _FAR)
+    foot.y = start.y + mul_q15(gap, way_q15) - mul_q15(back, share_q15) << LF_BITS
 
 
 @hot
@@ -177,14 +174,14 @@ def settle_foot(walk: Trot, leg: int, lifted: int, low: int, down_q15: int) -> N
     Intermediates: 65535 * 8191.
     """
     state = walk.state
-    feet = walk.feet
-    at = leg * 3
-    x = saturate(feet[at] >> LF_BITS, -_WIDE, _WIDE)
-    y = saturate(feet[at + 1] >> LF_BITS, -_WIDE, _WIDE)
+    foot = walk.feet.legs[leg]
+    start_z = walk.starts.legs[leg].z
+    x = saturate(foot.x >> LF_BITS, -_WIDE, _WIDE)
+    y = saturate(foot.y >> LF_BITS, -_WIDE, _WIDE)
     low += ground_z(walk, x, y)
-    z = walk.starts[at + 2] + mul_q15(saturate(low - walk.starts[at + 2], -_FAR, _FAR), down_q15) + lifted
+    z = start_z + mul_q15(saturate(low - start_z, -_FAR, _FAR), down_q15) + lifted
     z = saturate(z, -_FAR, _FAR)
-    feet[at] = x - (z * state.pitch_q14 >> 14) << LF_BITS
+    foot.x = x - (z * state.pitch_q14 >> 14) << LF_BITS
     z += x * state.pitch_q14 >> 14
-    feet[at + 1] = y + (z * state.roll_q14 >> 14) << LF_BITS
-    feet[at + 2] = z - (y * state.roll_q14 >> 14) << LF_BITS
+    foot.y = y + (z * state.roll_q14 >> 14) << LF_BITS
+    foot.z = z - (y * state.roll_q14 >> 14) << LF_BITS

@@ -19,21 +19,19 @@ _FAR = const(32767)
 @hot
 def feel_slope(params: Params, walk: Trot) -> None:
     """Follow the slope of the measured feet that stand, in level axes."""
-    measured = walk.measured
     middle_x = 0
     middle_y = 0
     middle_z = 0
     count = 0
-    at = 0
     for leg in range(LEGS):
         if walk.stands[leg]:
+            foot = walk.measured.legs[leg]
             z = level_z(walk, leg)
-            middle_x += measured[at]
-            middle_y += measured[at + 1]
+            middle_x += foot.x
+            middle_y += foot.y
             middle_z += z
             walk.heights[leg] = z
             count += 1
-        at += 3
     if count < 2:
         return
     follow_feet(params, walk, count, middle_x // count, middle_y // count, middle_z // count)
@@ -46,16 +44,15 @@ def follow_feet(params: Params, walk: Trot, count: int, middle_x: int, middle_y:
     Each diagonal tells a mixture of both slopes, the other one another: together both. The step of normalized least
     mean squares. Intermediates: 4 * 32767 * 1023, 8 * 1023^2, 2^13 * 2^15.
     """
-    measured = walk.measured
     along_x = 0
     along_y = 0
     square = 0
     uneven = 0
-    at = 0
     for leg in range(LEGS):
         if walk.stands[leg]:
-            x = saturate(measured[at] - middle_x, -_FAR, _FAR)
-            y = saturate(measured[at + 1] - middle_y, -_FAR, _FAR)
+            foot = walk.measured.legs[leg]
+            x = saturate(foot.x - middle_x, -_FAR, _FAR)
+            y = saturate(foot.y - middle_y, -_FAR, _FAR)
             off = walk.heights[leg] - middle_z - ground_z(walk, x, y)
             off = saturate(off, -_FAR, _FAR)
             if off < 0:
@@ -67,7 +64,6 @@ def follow_feet(params: Params, walk: Trot, count: int, middle_x: int, middle_y:
             along_x += off * x
             along_y += off * y
             square += x * x + y * y
-        at += 3
     square = (square >> 9) + 1
     follow_slope(params, walk, 0, along_x // square)
     follow_slope(params, walk, 1, along_y // square)
@@ -108,10 +104,8 @@ def climbs(params: Params, walk: Trot) -> int:
 def level_z(walk: Trot, leg: int) -> int:
     """Return the height of a measured foot in level axes, lu."""
     state = walk.state
-    measured = walk.measured
-    at = leg * 3
-    return (measured[at + 2] + (measured[at + 1] * state.tilt_q14.roll >> 14)
-            - (measured[at] * state.tilt_q14.pitch >> 14))
+    foot = walk.measured.legs[leg]
+    return foot.z + (foot.y * state.tilt_q14.roll >> 14) - (foot.x * state.tilt_q14.pitch >> 14)
 
 
 @hot

@@ -37,21 +37,22 @@ def share_load(params: Params, walk: Trot) -> None:
 @hot
 def solve(params: Params, walk: Trot) -> int:
     """Write the joints that reach the planned feet; return why some were brought into reach, or 0."""
-    feet = walk.feet
-    planned = walk.planned
-    hip_feet = walk.hip_feet
     for joint in range(JOINTS):
         walk.joints_before[joint] = walk.joints[joint]
-    at = 0
     for leg in range(LEGS):
         hip = params.legs[leg].hip
-        planned[at] = feet[at] >> LF_BITS
-        planned[at + 1] = feet[at + 1] >> LF_BITS
-        planned[at + 2] = feet[at + 2] >> LF_BITS
-        hip_feet[at] = planned[at] - hip.x
-        hip_feet[at + 1] = planned[at + 1] - hip.y
-        hip_feet[at + 2] = planned[at + 2] - hip.z
-        at += 3
+        foot = walk.feet.legs[leg]
+        planned = walk.planned.legs[leg]
+        from_hip = walk.hip_feet.legs[leg]
+        x = foot.x >> LF_BITS
+        y = foot.y >> LF_BITS
+        z = foot.z >> LF_BITS
+        planned.x = x
+        planned.y = y
+        planned.z = z
+        from_hip.x = x - hip.x
+        from_hip.y = y - hip.y
+        from_hip.z = z - hip.z
     return legs_inverse(params, walk.hip_feet, walk.work, walk.joints)
 
 

@@ -34,7 +34,7 @@ def react(params: Params, walk: Trot, leg: int) -> int:
     ascent = walk.ascent
     if state.known <= params.sent_ticks:
         return 0
-    up = walk.residual[leg * 2 + 1]
+    up = walk.residual_z[leg]
     if state.swing_q15 <= _MIDDLE:
         if state.swing_q15 > _RISEN and -up > ascent[leg]:
             ascent[leg] = -up
@@ -63,7 +63,7 @@ def held_up(params: Params, walk: Trot, leg: int) -> None:
     high = 0
     if walk.tops[leg] >= setup.high_lift:
         high = 1
-    behind = walk.residual[6 - leg * 2] - walk.residual[leg * 2]
+    behind = walk.residual_x[3 - leg] - walk.residual_x[leg]
     if state.foot_speed.x < 0:
         behind = -behind
     turn = state.turn_18
@@ -93,12 +93,10 @@ def may_be_late(walk: Trot, leg: int) -> int:
     A late one goes ahead faster than the body is to; and where a late bus has not told of the swing yet, its mate does
     not go ahead either.
     """
-    measured = walk.measured
-    before = walk.before
-    mate = 9 - leg * 3
+    mate = 3 - leg
     speed = walk.state.foot_speed.x
-    gone = measured[leg * 3] - before[leg * 3] << LF_BITS
-    mate_gone = measured[mate] - before[mate]
+    gone = walk.measured.legs[leg].x - walk.before.legs[leg].x << LF_BITS
+    mate_gone = walk.measured.legs[mate].x - walk.before.legs[mate].x
     if speed < 0:
         speed = -speed
         gone = -gone
@@ -118,9 +116,9 @@ def give_way(walk: Trot, leg: int) -> None:
     short = walk.short
     short[leg] = 0
     if walk.held[leg]:
-        short[leg] = -walk.residual[leg * 2]
+        short[leg] = -walk.residual_x[leg]
         if walk.state.foot_speed.x:
-            short[leg] = -(walk.residual[leg * 2] >> 1)
+            short[leg] = -(walk.residual_x[leg] >> 1)
 
 
 @hot
@@ -181,24 +179,23 @@ def land(params: Params, walk: Trot, leg: int) -> None:
     """
     if walk.met[leg] or walk.state.known <= params.sent_ticks:
         return
-    if walk.residual[leg * 2 + 1] > params.leg_length * _LANDED_Q10 >> 10 and climbs(params, walk):
+    if walk.residual_z[leg] > params.leg_length * _LANDED_Q10 >> 10 and climbs(params, walk):
         meet_ground(params, walk, leg, _LANDED_QUARTERS)
 
 
 @hot
 def meet_ground(params: Params, walk: Trot, leg: int, quarters: int) -> None:
     """The foot stands from now on, where it was measured, but gives way by so many ``quarters`` of what it met."""
-    measured = walk.measured
-    feet = walk.feet
-    at = leg * 3
-    met = level_z(walk, leg) + params.trot.height - ground_z(walk, measured[at], measured[at + 1])
+    measured = walk.measured.legs[leg]
+    foot = walk.feet.legs[leg]
+    met = level_z(walk, leg) + params.trot.height - ground_z(walk, measured.x, measured.y)
     given = met - (met * quarters >> 2)
     small = params.leg_length * _SMALL_Q10 >> 10
     if met < small and met > -small:
         given = met
-    feet[at] = measured[at] << LF_BITS
-    feet[at + 1] = measured[at + 1] << LF_BITS
-    feet[at + 2] = measured[at + 2] - given << LF_BITS
+    foot.x = measured.x << LF_BITS
+    foot.y = measured.y << LF_BITS
+    foot.z = measured.z - given << LF_BITS
     walk.load_q12[leg] = _QUARTER_Q12
     walk.met[leg] = MET_NOW
     walk.state.touched += 1

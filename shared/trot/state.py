@@ -1,6 +1,7 @@
 """All that the trot remembers, made beforehand."""
 
 from ..body.axes import POSE_AXES, Pose, Spot, Tilt
+from ..body.feet import Feet
 from ..body.legs import LegsWork
 from ..body.params import JOINTS, LEGS, LF_BITS, Params
 from ..record import field, part, record
@@ -62,14 +63,16 @@ class Trot:
         self.state = TrotState()
         self.wish = Wish()
         self.work = LegsWork()
-        self.feet = zeros(JOINTS)  # lf, planned
-        self.starts = zeros(JOINTS)  # lu, level: where each swing began
+        self.feet = Feet()  # lf, planned
+        self.starts = Feet()  # lu, level: where each swing began
         self.measured = feet.now  # lu
         self.before = feet.before  # lu, the same a tick ago
         self.heights = zeros(LEGS)  # lu, of the measured feet that stand, in level axes
         self.odometry = odometry  # how fast the body goes, as of the tick before: late, but no landing counts
-        self.free_q4 = zeros(2 * LEGS)  # lu Q4: x and z where the foot would be if nothing hindered it
-        self.residual = zeros(2 * LEGS)  # lu: x and z measured less those
+        self.free_x_q4 = zeros(LEGS)  # lu Q4: where each foot would be if nothing hindered it
+        self.free_z_q4 = zeros(LEGS)
+        self.residual_x = zeros(LEGS)  # lu: measured less those
+        self.residual_z = zeros(LEGS)
         self.ascent = zeros(LEGS)  # lu, the largest residual downwards while the foot rose
         self.stands = zeros(LEGS)  # 1: the foot stands, by plan or because it met something
         self.met = zeros(LEGS)  # react.MET...: it met ground higher than planned in this swing, or landing from it
@@ -81,13 +84,14 @@ class Trot:
         self.short = zeros(LEGS)  # lu, how much shorter of its way the foot in the air is sent
         self.jams = zeros(LEGS)  # twice the swings that were, less those that were not
         self.load_q12 = zeros(LEGS)  # own weight Q12, what each foot is expected to carry
-        self.planned = zeros(JOINTS)  # lu, ``feet``
-        self.hip_feet = zeros(JOINTS)  # lu from the hips
+        self.planned = Feet()  # lu, ``feet``
+        self.hip_feet = Feet()  # lu from the hips
         self.flags = zeros(LEGS)  # leg.LIMIT_...: which joints of each leg were limited
         self.joints = zeros(JOINTS)  # brad that reach them
         self.joints_before = zeros(JOINTS)  # brad, the same a tick ago
         self.posed = Pose()  # the pose of the tick before
-        self.past_feet = zeros(DELAY_TICKS * 2 * LEGS)  # lu: ring of planned x and z
+        self.past_x = zeros(DELAY_TICKS * LEGS)  # lu: rings of where the feet were planned
+        self.past_z = zeros(DELAY_TICKS * LEGS)
         self.past_stands = zeros(DELAY_TICKS)  # bits: ring of the legs that stood
 
 
@@ -126,5 +130,7 @@ def trot_reset(params: Params, walk: Trot) -> None:
         walk.peak[leg] = 0
         walk.usual[leg] = 0
         walk.jams[leg] = 0
-        for axis in range(3):
-            walk.feet[leg * 3 + axis] = limb.rest[axis] << LF_BITS
+        foot = walk.feet.legs[leg]
+        foot.x = limb.rest.x << LF_BITS
+        foot.y = limb.rest.y << LF_BITS
+        foot.z = limb.rest.z << LF_BITS

@@ -129,7 +129,7 @@ def wait_for_feet(params: Params, walk: Trot, pose: Pose) -> None:
     total = 0
     for leg in range(LEGS):
         rest = params.legs[leg].rest
-        total += (walk.feet[leg * 3] >> LF_BITS) - rest.x
+        total += (walk.feet.legs[leg].x >> LF_BITS) - rest.x
     most = params.leg_length * _LATE_Q10 >> 10
     off = saturate((total >> 2) + pose.x - params.com_x, -_OFF_MAX, _OFF_MAX)
     slow = (saturate(off, -most, most) - off) * params.trot.raise_q16 >> 4
@@ -203,11 +203,9 @@ def rise(params: Params, walk: Trot, pose: Pose) -> None:
     """Write how fast the body rises, with its pose and to its height above the standing feet."""
     state = walk.state
     total = 0
-    at = 2
     for leg in range(LEGS):
         if walk.stands[leg]:
-            total += walk.feet[at] >> LF_BITS
-        at += 3
+            total += walk.feet.legs[leg].z >> LF_BITS
     state.rise = 0
     if state.standing:
         low = saturate(params.trot.height + pose.z + total // state.standing, -16383, 16383)

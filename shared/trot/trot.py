@@ -78,17 +78,15 @@ def forget(sensed: Sensed) -> None:
 def keep_past(walk: Trot) -> None:
     """Keep the feet as if nothing hindered them, and who stands, for when the joints will have answered."""
     state = walk.state
-    past_feet = walk.past_feet
-    to = state.ring_at * 2 * LEGS
-    at = 0
+    to = state.ring_at * LEGS
     for leg in range(LEGS):
-        ahead = walk.feet[at] >> LF_BITS
+        foot = walk.feet.legs[leg]
+        ahead = foot.x >> LF_BITS
         if walk.stands[leg] == 0:
             ahead += walk.short[leg]
-        past_feet[to] = ahead
-        past_feet[to + 1] = walk.feet[at + 2] >> LF_BITS
-        to += 2
-        at += 3
+        walk.past_x[to] = ahead
+        walk.past_z[to] = foot.z >> LF_BITS
+        to += 1
     walk.past_stands[state.ring_at] = 15 - state.swinging
     state.ring_at = state.ring_at + 1 & 15
 

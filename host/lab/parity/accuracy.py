@@ -10,9 +10,10 @@ from typing import Any
 from shared.body import leg
 from shared.body import pose as body
 from shared.body.axes import POSE_AXES, Pose
+from shared.body.feet import Feet
 from shared.body.params import Params
 from shared.num import fixed
-from shared.record import pack
+from shared.record import pack, unpack
 from shared.runtime import zeros
 
 from ...robot.file import driven_names, load_robot
@@ -84,7 +85,7 @@ def _leg_errors(name: str, samples: int) -> list[float]:
     params = core_params(robot)
     unit_mm = 1000 * 2.0 ** -params.length_shift
     dice = random.Random(3)
-    feet, joints = zeros(12), zeros(12)
+    feet, joints = Feet(), zeros(12)
     errors = []
     for at in range(samples):
         number = at % 4
@@ -92,7 +93,7 @@ def _leg_errors(name: str, samples: int) -> list[float]:
         angles = [dice.randint(a, b) for a, b in zip(low, high, strict=True)]
         reached = leg_forward(links, robot.side(number), _rads(angles))
         foot = [round(v) for v in reached]
-        feet[number * 3 : number * 3 + 3] = foot
+        unpack(feet.legs[number], foot)
         leg.leg_inverse(params, number, feet, joints)
         solved = leg_forward(links, robot.side(number), _rads(list(joints[number * 3 : number * 3 + 3])))
         errors.append(math.dist(foot, solved) * unit_mm)
@@ -116,7 +117,7 @@ def _body_errors(name: str, samples: int) -> list[float]:
     unit_mm = 1000 * 2.0 ** -params.length_shift
     dice = random.Random(4)
     pose, rotation = Pose(), zeros(9)
-    feet, hip_feet = zeros(12), zeros(12)
+    feet, hip_feet = Feet(), Feet()
     errors = []
     for at in range(samples // 4):
         number = at % 4
@@ -124,11 +125,11 @@ def _body_errors(name: str, samples: int) -> list[float]:
         for axis in range(POSE_AXES):
             pose[axis] = dice.randint(-params.pose_max[axis], params.pose_max[axis])
         for axis in range(3):
-            feet[number * 3 + axis] = limb.rest[axis] + dice.randint(-3000, 3000)
+            feet.legs[number][axis] = limb.rest[axis] + dice.randint(-3000, 3000)
         body.body_rotation(pose, rotation)
         body.body_to_hip(params, number, pose, rotation, feet, hip_feet)
-        exact = _to_hip(pack(pose), list(feet[number * 3 : number * 3 + 3]), pack(limb.hip))
-        errors.append(math.dist(exact, hip_feet[number * 3 : number * 3 + 3]) * unit_mm)
+        exact = _to_hip(pack(pose), pack(feet.legs[number]), pack(limb.hip))
+        errors.append(math.dist(exact, pack(hip_feet.legs[number])) * unit_mm)
     return errors
 
 

@@ -3,6 +3,7 @@
 
 from shared.body import pose as body
 from shared.body.axes import Pose
+from shared.body.feet import Feet
 from shared.runtime import zeros
 
 from .draw import Range
@@ -12,11 +13,11 @@ from .probe import Block, Probe
 UNIT = Range(-32767, 32767)
 LENGTH = Range(-(1 << 28), 1 << 28)
 POSE = Block(Pose(), (3, LENGTH), (3, Range(-(1 << 30), (1 << 30) - 16385)))
-FEET = Block(zeros(12), (12, LENGTH))
+FEET = Block(Feet(), (12, LENGTH))
 NEAR_POSE = Block(Pose(), (3, Range(-2000, 2000)), (3, Range(-6000, 6000)))
-NEAR_FEET = Block(zeros(12), (12, Range(-32767, 32767)))
+NEAR_FEET = Block(Feet(), (12, Range(-32767, 32767)))
 ROTATION = zeros(9)
-HIP_FEET = zeros(12)
+HIP_FEET = Feet()
 
 
 def _rotate(values, dice):

@@ -2,6 +2,7 @@
 
 
 from shared.body import compliance
+from shared.body.feet import Feet
 from shared.runtime import zeros
 
 from .draw import Range
@@ -11,7 +12,7 @@ from .probe import Block, Probe
 LEVER = Range(-32767, 32767)
 FORCE = Range(-16383, 16383)
 ANY_FORCE = Range(-(1 << 30), (1 << 30) - 1)
-FOOT = Block(zeros(12), (12, LEVER))
+FOOT = Block(Feet(), (12, LEVER))
 JOINTS = Block(zeros(12), (12, BRAD))
 
 PROBES = (

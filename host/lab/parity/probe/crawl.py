@@ -156,8 +156,8 @@ def _soil(values, dice):
         CRAWL.goals[at] = dice.bits(16) - 32768
         CRAWL.jumps[at] = _near(dice, bits)
         CRAWL.pose[at % 6] = dice.bits(14) - 8192
-        CRAWL.feet[at] = dice.bits(15) - 16384
-        CRAWL.hip_feet[at] = dice.bits(15) - 16384
+        CRAWL.feet.legs[at // 3][at % 3] = dice.bits(15) - 16384
+        CRAWL.hip_feet.legs[at // 3][at % 3] = dice.bits(15) - 16384
     for leg in range(4):
         SENSING.force_q12[leg] = dice.bits(14) - 8192
     CRAWL.point.x = dice.bits(15) - 16384

@@ -2,6 +2,7 @@
 
 
 from shared.body import leg
+from shared.body.feet import Feet
 from shared.body.reach import reach_foot
 from shared.runtime import zeros
 
@@ -11,8 +12,8 @@ from .probe import Block, Probe
 
 ANY_ANGLES = Block(zeros(12), (12, Range(-(1 << 28), 1 << 28)))
 ANGLES = Block(zeros(12), (12, BRAD))
-ANY_FEET = Block(zeros(12), (12, Range(-40000, 40000)))
-FEET = zeros(12)
+ANY_FEET = Block(Feet(), (12, Range(-40000, 40000)))
+FEET = Feet()
 JOINTS = zeros(12)
 FLAGS = zeros(4)
 

@@ -1,6 +1,7 @@
 """shared/body/legs.py: any joints, and feet in and out of reach."""
 
 from shared.body import legs
+from shared.body.feet import Feet
 from shared.runtime import zeros
 
 from .draw import Range
@@ -8,10 +9,10 @@ from .draws import ROBOT
 from .probe import Block, Probe
 
 ANY_ANGLES = Block(zeros(12), (12, Range(-(1 << 28), 1 << 28)))
-ANY_FEET = Block(zeros(12), (12, Range(-40000, 40000)))
+ANY_FEET = Block(Feet(), (12, Range(-40000, 40000)))
 WORK = legs.LegsWork()
 WAVES = zeros(24)
-FEET = zeros(12)
+FEET = Feet()
 JOINTS = zeros(12)
 FEET_LEFT = ANY_FEET.array
 SQUARES = WORK.squares

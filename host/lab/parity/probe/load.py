@@ -2,6 +2,7 @@
 
 
 from shared.body import load
+from shared.body.feet import Feet
 from shared.body.load import Load
 from shared.runtime import zeros
 
@@ -11,7 +12,7 @@ from .probe import Block, Probe
 PLACE = Range(-32767, 32767)
 FORCE = Range(0, 16383)
 PLANAR = Range(0, 1)
-FEET = Block(zeros(12), (12, PLACE))
+FEET = Block(Feet(), (12, PLACE))
 WEIGHTS = Block(zeros(4), (4, Range(0, 256)))
 ARM = Range(-1023, 1023)
 BLOCK = Block(

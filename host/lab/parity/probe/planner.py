@@ -2,6 +2,7 @@
 
 from shared.body.balance import balance_setup
 from shared.body.compliance import sag_leg
+from shared.body.feet import Feet
 from shared.body.legs import legs_forward
 from shared.body.params import Params
 from shared.crawl.crawl import crawl_start
@@ -39,7 +40,7 @@ SENSED_ROW = row_of(SENSED)
 OWN_RATE = (PARAMS[0], PARAMS[3])  # each robot at the rate of its file
 ROBOTS = [planner.Planner(params) for params in OWN_RATE]
 GOAL = zeros(12)
-ANSWERED, HIP_FEET, WAVES = zeros(12), zeros(12), zeros(24)
+ANSWERED, HIP_FEET, WAVES = zeros(12), Feet(), zeros(24)
 ANY_MODE = Range(-1, 5)
 ANY_GAIT = Range(-1, len(GAIT_NAMES))
 ANY_MOVER = Range(MOVER_TABLE, MOVER_CRAWL)
@@ -53,8 +54,9 @@ def restart(robot: Planner):
     trot = robot.trot
     own = (robot.reached, robot.hip_feet, robot.margin_feet, robot.weights, robot.joints_past, robot.tilt_past)
     own += (robot.sensed.valid, robot.sensed.tilt, robot.sensed.joints, robot.sensed.turned)
-    own += (trot.state, trot.measured, trot.before, trot.residual, trot.free_q4, trot.joints)
-    own += (trot.past_feet, trot.met, trot.stands, trot.load_q12, trot.feet, trot.wish)
+    own += (trot.state, trot.measured, trot.before, trot.residual_x, trot.residual_z, trot.joints)
+    own += (trot.free_x_q4, trot.free_z_q4, trot.past_x, trot.past_z)
+    own += (trot.met, trot.stands, trot.load_q12, trot.feet, trot.wish)
     own += (trot.starts, trot.ascent, trot.tops, trot.joints_before, trot.past_stands, trot.hip_feet)
     for block in (robot.status, robot.clock, robot.joints, robot.move, robot.leg_flags, robot.goal) + own:
         clear(block)
@@ -141,7 +143,7 @@ def answer(robot: Planner, joints):
     stand = sum([1 - (robot.status.swinging >> leg & 1) for leg in range(4)])
     for leg in range(4):
         for axis in range(3):
-            HIP_FEET[leg * 3 + axis] -= params.legs[leg].hip[axis]
+            HIP_FEET.legs[leg][axis] -= params.legs[leg].hip[axis]
         if robot.status.swinging >> leg & 1 == 0:
             sag_leg(params, leg, HIP_FEET, 0, 0, 4096 // stand, ANSWERED)
     for joint in range(12):

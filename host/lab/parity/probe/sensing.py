@@ -1,6 +1,7 @@
 """shared/sense/legs.py: any joints and attitude after any goals; some of the blocks are of ticks that went before."""
 
 
+from shared.body.feet import Feet
 from shared.body.legs import legs_forward
 from shared.runtime import zeros
 from shared.sense import legs as sensing
@@ -18,7 +19,7 @@ FEET = MeasuredFeet()
 BLOCK = Sensing()
 ROW = Row(BLOCK)
 ANGLE18 = Range(-131072, 131071)
-PLACES = Block(zeros(12), (12, Range(-65534, 65534)))
+PLACES = Block(Feet(), (12, Range(-65534, 65534)))
 GAIN = Range(0, 32767)
 
 
@@ -34,6 +35,12 @@ def _forward(values, dice):
     """The same with the feet of these joints."""
     _some_ticks(values, dice)
     legs_forward(values[0], ANGLES.array, FEET.waves, FEET.now)
+
+
+def _any_feet(values, dice):
+    """The feet of any joints."""
+    ANGLES.fill(dice)
+    legs_forward(PARAMS[0], ANGLES.array, FEET.waves, FEET.now)
 
 
 def _begin():
@@ -68,4 +75,5 @@ PROBES = (
     ),
     Probe("joint_torque", sensing.joint_torque, (GAIN, GAIN, ANGLE18, ANGLE18)),
     Probe("keep_feet", sensing.keep_feet, (ANGLES, PLACES, BLOCK), watch=(BLOCK,), begin=_begin),
+    Probe("keep_before", sensing.keep_before, (FEET,), watch=(FEET.before,), fit=_any_feet),
 )

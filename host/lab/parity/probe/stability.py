@@ -3,6 +3,7 @@
 
 from shared.body import stability
 from shared.body.axes import Spot
+from shared.body.feet import Feet
 from shared.runtime import zeros
 
 from .draw import Range
@@ -10,7 +11,7 @@ from .draws import LEG
 from .probe import Block, Probe
 
 PLACE = Range(-32767, 32767)
-FEET = Block(zeros(12), (12, PLACE))
+FEET = Block(Feet(), (12, PLACE))
 WEIGHTS = Block(zeros(4), (4, Range(0, 1)))
 POINT = Block(Spot(), (2, PLACE))
 

@@ -2,10 +2,10 @@
 
 
 from shared.body.axes import TWIST_AXES, Twist
+from shared.body.feet import Feet
 from shared.body.params import LF_BITS, Params
 from shared.gait import steps
 from shared.gait.table import Clock, Gait
-from shared.runtime import zeros
 
 from .draw import Range
 from .draws import LEG, ROBOT, TABLE, TABLES, gait_of
@@ -17,7 +17,7 @@ STEPS = steps.Steps()
 ROW = Row(STEPS)
 SPEED = Twist()
 CLOCK = Clock()
-FEET = zeros(12)
+FEET = Feet()
 HEIGHT = Range(0, 6000)
 SPEED_LF = Range(-(1 << 19) + 1, (1 << 19) - 1)
 TICKS_Q10 = Range(0, (1 << 24) - 1)

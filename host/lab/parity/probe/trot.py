@@ -30,11 +30,12 @@ SENSING = Sensing()
 ODOMETRY = Odometry()
 WALK = state.Trot(FEET, ODOMETRY)
 ROBOT = Pick(*PARAMS)
-LEGS_OF = (WALK.stands, WALK.met, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual)
+LEGS_OF = (WALK.stands, WALK.met, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual_x, WALK.residual_z)
 HELD = (WALK.held, WALK.frees, WALK.jams, WALK.peak, WALK.usual, WALK.short)
 STATE = (WALK.state, WALK.feet, WALK.starts) + LEGS_OF + HELD
-PAST = (WALK.before, WALK.joints_before, WALK.posed, WALK.past_feet)
-ALL = STATE + (WALK.heights, WALK.measured, WALK.free_q4, WALK.joints) + PAST
+PAST = (WALK.before, WALK.joints_before, WALK.posed, WALK.past_x, WALK.past_z)
+FREE = (WALK.free_x_q4, WALK.free_z_q4)
+ALL = STATE + (WALK.heights, WALK.measured, WALK.joints) + FREE + PAST
 
 
 def _begin():
@@ -98,8 +99,9 @@ def _moving(values, dice):
     WALK.state.known = 100
     WALK.state.swing_q15 = SHARE.any(dice)
     WALK.frees[leg] = dice.bits(1)
-    for at in range(8):
-        WALK.residual[at] = dice.bits(13) - 4096
+    for foot in range(4):
+        WALK.residual_x[foot] = dice.bits(13) - 4096
+        WALK.residual_z[foot] = dice.bits(13) - 4096
 
 
 def _landing(values, dice):
@@ -141,8 +143,8 @@ PROBES = (
     _probe("trot_reset", state, (ROBOT, WALK)),
     _probe("feel", feel, (ROBOT, WALK, TURNED, FLAG), ALL),
     _probe("see_speed", feel, (ROBOT, WALK, TURNED)),
-    _probe("free_feet", feel, (ROBOT, WALK), (WALK.free_q4,)),
-    _probe("see_residual", feel, (ROBOT, WALK), (WALK.free_q4, WALK.residual)),
+    _probe("free_feet", feel, (ROBOT, WALK), FREE),
+    _probe("see_residual", feel, (ROBOT, WALK), FREE + (WALK.residual_x, WALK.residual_z)),
     _probe("steer", steer, (ROBOT, WALK, SPEED, TURNED, POSE)),
     _probe("feel_push", steer, (ROBOT, WALK), (WALK.state,), fit=_lunging),
     Probe("overspeed", steer.overspeed, (Range(-(1 << 19), 1 << 19), Range(-(1 << 18), 1 << 18))),
@@ -190,6 +192,6 @@ PROBES = (
     _probe("trot_start", trot, (ROBOT, WALK), (WALK.feet, WALK.joints)),
     _probe("trot_tick", trot, (ROBOT, WALK, SENSED, SPEED, POSE, GOAL), ALL + (GOAL, WALK.flags), vectors=4),
     _probe("forget", trot, (SENSED,), (SENSED.tilt, SENSED.turned), fit=None),
-    _probe("keep_past", trot, (WALK,), (WALK.past_feet, WALK.past_stands), fit=_done),
+    _probe("keep_past", trot, (WALK,), (WALK.past_x, WALK.past_z, WALK.past_stands), fit=_done),
     _probe("trot_done", trot, (WALK,), fit=_done),
 )
