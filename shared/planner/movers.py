@@ -1,7 +1,7 @@
-"""The movers: what stands and walks. Each owns its ticks whole: command and senses in; joint goals, feet, status out.
+"""The movers: what stands and walks. Each owns its ticks whole: command and senses in; joint goals and status out.
 
     start   it takes over a robot that stands
-    tick    one tick, into ``planner.goal``, ``planner.feet`` and ``planner.status``; returns why it gives way, or 0
+    tick    one tick, into ``planner.goal`` and ``planner.status``; returns why it gives way, or 0
     stop    another takes over
 
 This is the one place that knows which is which; exchange.py says when they take over from each other.

@@ -31,8 +31,8 @@ class Planner(PlannerState):
     """The control core of one robot at one rate.
 
     ``Planner(params)`` allocates all it needs; ``tick`` allocates nothing. After a tick read
-    ``joints`` (12 brad, what is to be sent), ``leg_flags`` (4), ``status``, ``feet`` (lu, planned, in the
-    base frame), ``reached`` (lu from the hips). Raises ValueError if a gait can't fit the robot.
+    ``joints`` (12 brad, what is to be sent), ``leg_flags`` (4), ``status``, ``reached`` (the planned feet, lu from
+    the hips; the crawl has its own). Raises ValueError if a gait can't fit the robot.
     """
 
     def __init__(self, params: Params, more: tuple = ()):

@@ -44,8 +44,8 @@ class PlannerState:
         self.measured_feet = MeasuredFeet()
         self.odometry = Odometry()
         self.trot = Trot(self.measured_feet, self.odometry)
-        self.feet = self.trot.planned  # lu in the body; the other movers write into the same places as the trot
-        self.reached = self.trot.hip_feet  # lu from the hips
+        self.feet = Feet()  # lu in the body, of a gait's table
+        self.reached = self.trot.hip_feet  # lu from the hips: of a table too
         self.leg_flags = self.trot.flags
         self.hip_feet = Feet()
         self.margin_feet = Feet()  # lu in the body, of which the margin is told

@@ -22,13 +22,12 @@ from .steps import follow_command, limit_to_both, use_gait, wanted_gait
 def start_trot(planner: PlannerState) -> None:
     """Begin where the goals sent last have the feet."""
     trot_reset(planner.params, planner.trot)
-    legs_forward(planner.params, planner.joints, planner.trot.work.waves, planner.feet)
+    legs_forward(planner.params, planner.joints, planner.trot.work.waves, planner.trot.feet)
     for leg in range(LEGS):
         foot = planner.trot.feet.legs[leg]
-        planned = planner.feet.legs[leg]
-        foot.x = planned.x << LF_BITS
-        foot.y = planned.y << LF_BITS
-        foot.z = planned.z << LF_BITS
+        foot.x <<= LF_BITS
+        foot.y <<= LF_BITS
+        foot.z <<= LF_BITS
     for axis in range(POSE_AXES):
         planner.trot.posed[axis] = planner.pose[axis]
     solve(planner.params, planner.trot)

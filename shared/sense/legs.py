@@ -98,7 +98,12 @@ def sense_legs(
     sensing.answered = -1
     if sensing.known > params.sent_ticks:
         sensing.answered = (sensing.sent_at - params.sent_ticks & 15) * JOINTS
-    keep_before(feet)
+    for leg in range(LEGS):
+        now = feet.now.legs[leg]
+        before = feet.before.legs[leg]
+        before.x = now.x
+        before.y = now.y
+        before.z = now.z
     legs_forward(params, joints, feet.waves, feet.now)
     keep_feet(joints, feet.now, sensing)
     if sensing.answered >= 0:
@@ -110,17 +115,6 @@ def sense_legs(
         sensing.joints[joint] = joints[joint]
     if sensing.known < 100:
         sensing.known += 1
-
-
-@hot
-def keep_before(feet: MeasuredFeet) -> None:
-    """Keep the feet of the tick before."""
-    for leg in range(LEGS):
-        now = feet.now.legs[leg]
-        before = feet.before.legs[leg]
-        before.x = now.x
-        before.y = now.y
-        before.z = now.z
 
 
 @hot

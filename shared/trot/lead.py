@@ -42,17 +42,10 @@ def solve(params: Params, walk: Trot) -> int:
     for leg in range(LEGS):
         hip = params.legs[leg].hip
         foot = walk.feet.legs[leg]
-        planned = walk.planned.legs[leg]
         from_hip = walk.hip_feet.legs[leg]
-        x = foot.x >> LF_BITS
-        y = foot.y >> LF_BITS
-        z = foot.z >> LF_BITS
-        planned.x = x
-        planned.y = y
-        planned.z = z
-        from_hip.x = x - hip.x
-        from_hip.y = y - hip.y
-        from_hip.z = z - hip.z
+        from_hip.x = (foot.x >> LF_BITS) - hip.x
+        from_hip.y = (foot.y >> LF_BITS) - hip.y
+        from_hip.z = (foot.z >> LF_BITS) - hip.z
     return legs_inverse(params, walk.hip_feet, walk.work, walk.joints)
 
 

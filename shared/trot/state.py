@@ -84,7 +84,6 @@ class Trot:
         self.short = zeros(LEGS)  # lu, how much shorter of its way the foot in the air is sent
         self.jams = zeros(LEGS)  # twice the swings that were, less those that were not
         self.load_q12 = zeros(LEGS)  # own weight Q12, what each foot is expected to carry
-        self.planned = Feet()  # lu, ``feet``
         self.hip_feet = Feet()  # lu from the hips
         self.flags = zeros(LEGS)  # leg.LIMIT_...: which joints of each leg were limited
         self.joints = zeros(JOINTS)  # brad that reach them

@@ -9,10 +9,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from shared.body.axes import POSE_AXES, Pose
+from shared.body.feet import Feet
 from shared.body.leg import leg_inverse, limit_legs
 from shared.body.pose import body_rotation, body_to_hip, mul_unit
 from shared.body.reach import reach_foot
-from shared.record import pack, unpack
+from shared.record import copy, pack, unpack
 from tests.float_twin import body as twin
 from tests.float_twin import leg as twin_leg
 
@@ -80,17 +81,17 @@ def poses(params, count, seed):
 
 def body_errors_m(name, count):
     """Return how far the feet that the integers give to the hips are from the float ones."""
-    params, feet, hip_feet = BLOCKS[name], array("i", [0] * 12), array("i", [0] * 12)
+    params, feet, hip_feet = BLOCKS[name], Feet(), Feet()
     dice, errors = random.Random(3), []
     for pose in poses(params, count, 5):
         rotation = rotated(pose)
         for leg in range(4):
             si = leg_si(params, leg)
             foot = [round(v / si.unit_m) + dice.randint(-6000, 6000) for v in si.rest]
-            feet[leg * 3 : leg * 3 + 3] = array("i", foot)
+            unpack(feet.legs[leg], foot)
             body_to_hip(params, leg, unpack(Pose(), pose), rotation, feet, hip_feet)
             exact = twin.from_base(pose_si(pose, si.unit_m), [v * si.unit_m for v in foot], si.hip)
-            errors.append(math.dist([v * si.unit_m for v in hip_feet[leg * 3 : leg * 3 + 3]], exact))
+            errors.append(math.dist([v * si.unit_m for v in pack(hip_feet.legs[leg])], exact))
     return errors
 
 
@@ -105,9 +106,9 @@ def test_body_error_at_the_foot(name):
 def test_feet_stay_put_in_the_world_under_any_body_pose(name):
     """Joint angles of the integers, carried through the float leg and the posed float body: the feet are at rest."""
     params = BLOCKS[name]
-    feet, hip_feet, reached, joints = (array("i", [0] * 12) for _ in range(4))
+    feet, hip_feet, reached, joints = Feet(), Feet(), Feet(), array("i", [0] * 12)
     for leg in range(4):
-        feet[leg * 3 : leg * 3 + 3] = array("i", params.legs[leg].rest)
+        copy(params.legs[leg].rest, feet.legs[leg])
     stayed = 0
     for pose in poses(params, 1500, 9):
         rotation, packed = rotated(pose), unpack(Pose(), pose)
@@ -129,10 +130,10 @@ def test_feet_stay_put_in_the_world_under_any_body_pose(name):
 @repeatable(300)
 @given(st.sampled_from(NAMES), st.tuples(*[integers(-(1 << 29), 1 << 29)] * 3), ANGLES, st.integers(0, 3))
 def test_far_away_feet_are_limited_not_wrapped(name, place, angles, leg):
-    params, hip_feet = BLOCKS[name], array("i", [0] * 12)
-    feet = array("i", list(place) * 4)
+    params, hip_feet = BLOCKS[name], Feet()
+    feet = unpack(Feet(), list(place) * 4)
     body_to_hip(params, leg, unpack(Pose(), (0, 0, 0, *angles)), rotated((0, 0, 0, *angles)), feet, hip_feet)
-    assert max(abs(v) for v in hip_feet) <= 3 * 65535 + LARGEST // 30000
+    assert max(abs(v) for v in pack(hip_feet)) <= 3 * 65535 + LARGEST // 30000
 
 
 def test_twin_undoes_itself():

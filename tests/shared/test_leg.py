@@ -8,6 +8,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from shared.body.feet import Feet
 from shared.body.leg import (
     LIMIT_CALF,
     LIMIT_HIP,
@@ -17,6 +18,7 @@ from shared.body.leg import (
     limit_legs,
 )
 from shared.body.reach import INSIDE_HIP, TOO_FAR, TOO_NEAR, reach_foot, scale_down
+from shared.record import pack, unpack
 from tests.float_twin import leg as twin
 from tests.float_twin import reach as twin_reach
 
@@ -60,14 +62,14 @@ def reachable_feet(si, count, seed):
 
 def foot_errors_m(params, count, seed=1):
     """Return the distances between wanted feet and those of the integer angles in the float leg."""
-    feet, reached, joints = zeros(), zeros(), zeros()
+    feet, reached, joints = Feet(), Feet(), zeros()
     errors = []
     for leg in range(4):
         si = leg_si(params, leg)
         for foot in reachable_feet(si, count // 4, seed + leg):
             for axis in range(3):
-                feet[leg * 3 + axis] = round(foot[axis] / si.unit_m)
-            wanted = [v * si.unit_m for v in feet[leg * 3 : leg * 3 + 3]]
+                feet.legs[leg][axis] = round(foot[axis] / si.unit_m)
+            wanted = [v * si.unit_m for v in pack(feet.legs[leg])]
             assert reach_foot(params, leg, feet, reached) == 0
             leg_inverse(params, leg, reached, joints)
             angles = [rad(q) for q in joints[leg * 3 : leg * 3 + 3]]
@@ -91,10 +93,10 @@ def test_foot_error_of_other_legs(name, bar_m):
 
 def clamped(name, leg, foot):
     """Return reach_foot's flags and the foot it gives, lu."""
-    feet, reached = zeros(), zeros()
-    feet[leg * 3 : leg * 3 + 3] = array("i", foot)
+    feet, reached = Feet(), Feet()
+    unpack(feet.legs[leg], foot)
     flags = reach_foot(BLOCKS[name], leg, feet, reached)
-    return flags, list(reached[leg * 3 : leg * 3 + 3])
+    return flags, pack(reached.legs[leg])
 
 
 def shell_lu(name, leg):
@@ -154,12 +156,12 @@ def test_feet_round_the_leg_end_where_the_float_clamp_puts_them(name, leg, foot)
 def test_a_clamped_foot_is_solved_to_itself(name, leg, foot):
     """Never fails, whatever is asked for: the angles put the foot where the clamp says."""
     params, si = BLOCKS[name], leg_si(BLOCKS[name], leg)
-    feet, reached, joints = zeros(), zeros(), zeros()
-    feet[leg * 3 : leg * 3 + 3] = array("i", foot)
+    feet, reached, joints = Feet(), Feet(), zeros()
+    unpack(feet.legs[leg], foot)
     reach_foot(params, leg, feet, reached)
     leg_inverse(params, leg, reached, joints)
     angles = [rad(q) for q in joints[leg * 3 : leg * 3 + 3]]
-    wanted = [v * si.unit_m for v in reached[leg * 3 : leg * 3 + 3]]
+    wanted = [v * si.unit_m for v in pack(reached.legs[leg])]
     assert math.dist(twin.forward(angles, si.side_l1, si.l2, si.l3), wanted) <= 5 * si.unit_m + 1.3e-4 * (si.l2 + si.l3)
 
 
@@ -167,11 +169,11 @@ def test_a_clamped_foot_is_solved_to_itself(name, leg, foot):
 @given(ROBOTS, LEGS, st.tuples(*[integers(-(1 << 20), 1 << 20)] * 3))
 def test_forward_is_the_float_forward(name, leg, angles):
     params, si = BLOCKS[name], leg_si(BLOCKS[name], leg)
-    joints, feet = zeros(), zeros()
+    joints, feet = zeros(), Feet()
     joints[leg * 3 : leg * 3 + 3] = array("i", angles)
     leg_forward(params, leg, joints, feet)
     exact = twin.forward([rad(q) for q in angles], si.side_l1, si.l2, si.l3)
-    foot = [v * si.unit_m for v in feet[leg * 3 : leg * 3 + 3]]
+    foot = [v * si.unit_m for v in pack(feet.legs[leg])]
     assert math.dist(foot, exact) <= 3 * si.unit_m + 4e-5 * (si.l1 + si.l2 + si.l3)
 
 
@@ -183,7 +185,7 @@ def test_inverse_undoes_forward(knees):
     """
     for name in ("caramelo", "parallel"):
         params, dice = block(name, knees=knees), random.Random(7)
-        joints, feet, back = zeros(), zeros(), zeros()
+        joints, feet, back = zeros(), Feet(), zeros()
         for turn in range(400):
             leg = turn % 4
             si = leg_si(params, leg)
@@ -247,10 +249,11 @@ def test_scale_down_rounds_towards_zero(value, numerator, denominator):
 def test_left_and_right_legs_mirror():
     """A right foot mirrored on y has the left one's angles, the hip negated."""
     for name in NAMES:
-        params, feet, reached, joints = BLOCKS[name], zeros(), zeros(), zeros()
+        params, feet, reached, joints = BLOCKS[name], Feet(), Feet(), zeros()
         for foot in reachable_feet(leg_si(params, 1), 300, 3):
             x, y, z = [round(v / leg_si(params, 1).unit_m) for v in foot]
-            feet[:6] = array("i", (x, -y, z, x, y, z))
+            unpack(feet.legs[0], (x, -y, z))
+            unpack(feet.legs[1], (x, y, z))
             for leg in (0, 1):
                 reach_foot(params, leg, feet, reached)
                 leg_inverse(params, leg, reached, joints)

@@ -4,10 +4,12 @@ import random
 
 import pytest
 
+from shared.body.feet import Feet
 from shared.body.leg import leg_forward, leg_inverse
 from shared.body.legs import LegsWork, legs_forward, legs_inverse, reach_feet
 from shared.body.reach import reach_foot
 from shared.num.fixed import arctans_brad18, atan2_brad18, round_roots, round_sqrt
+from shared.record import pack, unpack
 
 from .robots import KNEES, NAMES, block
 
@@ -18,12 +20,12 @@ CASES = [(name, knees) for name in NAMES for knees in KNEES]
 def test_forward_is_that_of_each_leg(name, knees):
     params, waves, rng = block(name, knees=knees), [0] * 24, random.Random(1)
     for _ in range(200):
-        joints, feet, one = [rng.randrange(-70000, 70000) for _ in range(12)], [0] * 12, [0] * 12
+        joints, feet, one = [rng.randrange(-70000, 70000) for _ in range(12)], Feet(), Feet()
         legs_forward(params, joints, waves, feet)
         for leg in range(4):
             leg_forward(params, leg, joints, one)
             for axis in range(3):
-                assert feet[3 * leg + axis] == one[3 * leg + axis] + params.legs[leg].hip[axis]
+                assert feet.legs[leg][axis] == one.legs[leg][axis] + params.legs[leg].hip[axis]
 
 
 @pytest.mark.parametrize(("name", "knees"), CASES)
@@ -33,12 +35,13 @@ def test_inverse_is_that_of_each_leg_within_a_brad(name, knees):
     most = params.legs[0].longest * 5 // 4
     for _ in range(200):
         feet = [rng.randrange(-most, most) for _ in range(12)]
-        reached, wanted, joints, flags = list(feet), [0] * 12, [0] * 12, 0
+        feet, reached = unpack(Feet(), feet), unpack(Feet(), feet)
+        wanted, joints, flags = [0] * 12, [0] * 12, 0
         for leg in range(4):
             flags |= reach_foot(params, leg, reached, reached)
             leg_inverse(params, leg, reached, wanted)
         assert legs_inverse(params, feet, work, joints) == flags
-        assert feet == reached
+        assert pack(feet) == pack(reached)
         assert max(abs((a - b + 0x8000 & 0xFFFF) - 0x8000) for a, b in zip(joints, wanted, strict=True)) <= 1
 
 
@@ -48,12 +51,12 @@ def test_feet_are_brought_into_reach_as_each(name):
     most = params.legs[0].longest * 9 // 8
     for _ in range(2000):
         feet = [rng.randrange(-most, most) for _ in range(12)]
-        reached, flags = list(feet), 0
+        feet, reached, flags = unpack(Feet(), feet), unpack(Feet(), feet), 0
         for leg in range(4):
             flags |= reach_foot(params, leg, reached, reached)
-        inside += feet[:3] == reached[:3]
+        inside += pack(feet.legs[0]) == pack(reached.legs[0])
         assert reach_feet(params, feet, [0] * 8) == flags
-        assert feet == reached
+        assert pack(feet) == pack(reached)
     assert inside > 100
 
 

@@ -9,6 +9,7 @@ import pytest
 
 from shared.body import compliance, load, stability
 from shared.body.axes import Spot
+from shared.body.feet import Feet
 from shared.body.params import Params
 from shared.record import copy, pack, unpack
 from shared.sense import legs as sensing
@@ -51,8 +52,8 @@ def test_sag_is_the_transposed_jacobian_over_the_stiffness(name, coupled):
     for leg, joints in poses(params, 400, 3):
         si = leg_si(params, leg)
         links = [v / si.unit_m for v in (si.side_l1, si.l2, si.l3)]
-        feet, goals = array("i", [0] * 12), array("i", [0] * 12)
-        feet[leg * 3 : leg * 3 + 3] = array("i", [round(v) for v in forward([rad(q) for q in joints], *links)])
+        feet, goals = Feet(), array("i", [0] * 12)
+        unpack(feet.legs[leg], [round(v) for v in forward([rad(q) for q in joints], *links)])
         goals[leg * 3 : leg * 3 + 3] = array("i", joints)
         force = [dice.randint(-600, 600), dice.randint(-600, 600), dice.randint(0, 2000)]
         compliance.sag_leg(params, leg, feet, *force, goals)
@@ -115,7 +116,7 @@ def feet_near_rest(params, dice):
     """Return the four feet moved by up to an eighth of the leg from rest, in lu."""
     span = params.leg_length // 8
     rest = [params.legs[leg].rest[i] for leg in range(4) for i in range(3)]
-    return array("i", [v + dice.randint(-span, span) for v in rest])
+    return unpack(Feet(), [v + dice.randint(-span, span) for v in rest])
 
 
 def shared_out(feet, weights, com, weight, planar=0):
@@ -131,7 +132,7 @@ def test_shares_on_three_and_four_feet_are_the_minimum_norm(name):
     for weights in ([256] * 4, [256, 256, 0, 256], [256, 256, 128, 256], [20, 256, 256, 256]):
         for _ in range(60):
             feet = feet_near_rest(BLOCKS[name], dice)
-            corners = [[feet[3 * k], feet[3 * k + 1]] for k in range(4)]
+            corners = [[foot.x, foot.y] for foot in feet.legs]
             com = [dice.randint(-2000, 2000) for _ in range(2)]
             exact = twin.shares(
                 [[v / 1e4 for v in c] for c in corners], [w / 256 for w in weights], [v / 1e4 for v in com]
@@ -144,7 +145,7 @@ def test_shares_on_three_and_four_feet_are_the_minimum_norm(name):
 
 
 def test_two_feet_share_by_the_lever_along_their_line():
-    feet = array("i", [15000, -15000, 0, 0, 0, 0, 0, 0, 0, -15000, 15000, 0])
+    feet = unpack(Feet(), [15000, -15000, 0, 0, 0, 0, 0, 0, 0, -15000, 15000, 0])
     for part in (0.1, 0.5, 0.8):
         com = round(15000 - 30000 * part), round(-15000 + 30000 * part)
         for off in (-2000, 0, 3000):
@@ -153,7 +154,7 @@ def test_two_feet_share_by_the_lever_along_their_line():
 
 
 def test_in_the_plane_only_x_matters():
-    feet = array("i", [15000, -15000, 0, 0, 0, 0, 0, 0, 0, -15000, 15000, 0])
+    feet = unpack(Feet(), [15000, -15000, 0, 0, 0, 0, 0, 0, 0, -15000, 15000, 0])
     for y in (-9000, 0, 9000):
         assert shared_out(feet, [256, 0, 0, 256], (7500, y), 4096, 1) == pytest.approx([3072, 0, 0, 1024], abs=30)
 
@@ -161,7 +162,7 @@ def test_in_the_plane_only_x_matters():
 def test_nobody_stands_nobody_carries_and_no_foot_pulls():
     state = load.Load()
     unpack(state, [5] * len(pack(state)))
-    feet = array("i", [15000, -15000, 0, 15000, 15000, 0, -15000, -15000, 0, -15000, 15000, 0])
+    feet = unpack(Feet(), [15000, -15000, 0, 15000, 15000, 0, -15000, -15000, 0, -15000, 15000, 0])
     assert load.load_share(feet, array("i", [0] * 4), 0, 0, 4096, 0, state) == 0
     assert state.wanted_q12 == [0] * 4
     assert min(shared_out(feet, [256] * 4, (30000, 0), 4096)) == 0
@@ -175,12 +176,12 @@ def test_margin_is_the_distance_to_the_nearest_edge(standing):
     for _ in range(200):
         feet = feet_near_rest(params, dice)
         point = [dice.randint(-16000, 16000) for _ in range(2)]
-        exact = twin.margin([(feet[3 * leg], feet[3 * leg + 1]) for leg in order], point)
+        exact = twin.margin([(feet.legs[leg].x, feet.legs[leg].y) for leg in order], point)
         assert abs(stability.support_margin(feet, weights, *point) - exact) <= 12
 
 
 def test_margin_of_one_foot_and_of_none():
-    feet = array("i", [3000, 4000, 0] * 4)
+    feet = unpack(Feet(), [3000, 4000, 0] * 4)
     assert stability.support_margin(feet, array("i", [0] * 4), 0, 0) == stability.NO_SUPPORT
     assert stability.support_margin(feet, array("i", [1, 0, 0, 0]), 0, 0) == -5000
 
@@ -195,7 +196,7 @@ def test_a_point_is_moved_inside_by_the_margin_and_not_much_farther_than_needed(
             start = [dice.randint(-6000, 6000) for _ in range(2)]
             point = unpack(Spot(), start)
             stability.point_inside(feet, weights, 2600, point)
-            corners = [(feet[3 * leg], feet[3 * leg + 1]) for leg in order]
+            corners = [(feet.legs[leg].x, feet.legs[leg].y) for leg in order]
             assert twin.margin(corners, pack(point)) >= 2600 - 60
             best = min(
                 math.dist(start, (x, y))

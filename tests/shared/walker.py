@@ -3,11 +3,11 @@
 from host.lab.parity.probe.row import Row
 from shared.crawl.state import STILL
 from shared.gait.gaits import GAIT_NAMES, GAITS, PAPER_TROT
-from shared.gait.table import MOVER_CRAWL, compile_gait
+from shared.gait.table import MOVER_CRAWL, MOVER_TROT, compile_gait
 from shared.planner import command as c
 from shared.planner import status as n
 from shared.planner.planner import Planner
-from shared.record import unpack
+from shared.record import pack, unpack
 from shared.sense.sensed import Sensed
 
 from .robots import block
@@ -105,9 +105,10 @@ class Walker:
         return asked
 
     def feet_m(self):
-        """Return the four planned feet in the base frame, m."""
-        feet = self.planner.feet
-        return [[v * self.unit_m for v in feet[3 * leg : 3 * leg + 3]] for leg in range(4)]
+        """Return the four planned feet in the body, m: the trot's, or a table's before the body's pose."""
+        trots = self.planner.status.mover == MOVER_TROT
+        feet, unit_m = (self.planner.trot.feet, self.unit_m / 256) if trots else (self.planner.feet, self.unit_m)
+        return [[v * unit_m for v in pack(foot)] for foot in feet.legs]
 
     def swinging(self):
         """Return the legs in the air as bits."""

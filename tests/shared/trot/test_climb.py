@@ -5,6 +5,7 @@ import pytest
 from host.robot import trot_tuning as tuning
 from host.robot.file import load_robot
 from host.robot.scale import core_params
+from shared.record import copy, pack
 from shared.sense.legs import MeasuredFeet
 from shared.sense.odometry import Odometry
 from shared.trot.clock import go_on
@@ -73,18 +74,19 @@ def test_a_foot_that_landed_on_higher_ground_takes_it_as_it_is(pair, high, slope
     """``high``: of the leg above where it was sent; ``stood``: of the time in which it may tell."""
     state, setup, walk = pair.walk.state, pair.params.trot, pair.walk
     state.slope_q20.x, state.uneven_q4, state.known = round(slope * 2**20), UNEVEN_Q4, known
-    walk.measured[3:6] = rest = list(pair.params.legs[1].rest)
-    walk.measured[5] += round(high * pair.params.leg_length)
-    walk.residual[3], walk.met[1] = round(high * pair.params.leg_length), met_before
-    before, after_landing = list(walk.feet), stood > 1
+    rest, landed = pair.params.legs[1].rest, walk.measured.legs[1]
+    copy(rest, landed)
+    landed.z += round(high * pair.params.leg_length)
+    walk.residual_z[1], walk.met[1] = round(high * pair.params.leg_length), met_before
+    before, after_landing = [pack(foot) for foot in walk.feet.legs], stood > 1
     walk.wish.moving = 1
     state.phase_q20 = (CYCLE_Q20 >> 1) + round(stood * setup.landing_q20) - setup.phase_step_q20
     go_on(pair.params, walk, 0)
-    assert (walk.feet[3:6] != before[3:6]) == taken
-    assert walk.feet[:3] + walk.feet[6:] == before[:3] + before[6:]
+    changed = [pack(foot) != was for foot, was in zip(walk.feet.legs, before, strict=True)]
+    assert changed == [False, taken, False, False]
     assert walk.met[1] == (MET_NOW if taken else 0 if after_landing else met_before)
     if taken:
-        assert walk.feet[3] == rest[0] << 8
+        assert walk.feet.legs[1].x == rest.x << 8
 
 
 def test_the_time_in_which_a_landing_is_told_is_an_eighth_of_a_cycle_after_the_bus(pair):

@@ -10,6 +10,7 @@ from host.robot.file import load_robot
 from host.robot.scale import BRAD_PER_RAD, core_params
 from host.sim.servos.law import figures_of, friction_law
 from shared.body.params import LF_BITS
+from shared.record import unpack
 from shared.sense.legs import MeasuredFeet
 from shared.sense.odometry import Odometry
 from shared.trot.lead import lead, slide
@@ -114,10 +115,10 @@ def test_a_foot_that_comes_may_be_late_and_one_that_stays_is_held(way, gone, mat
     _, _, walk = stood("caramelo")
     tick = 400
     walk.state.foot_speed.x, walk.state.swing_q15 = way * tick << LF_BITS, swing_q15
-    walk.before[:] = [1000] * 12
+    unpack(walk.before, [1000] * 12)
     for leg in range(4):
-        walk.measured[3 * leg] = 1000 + round(way * tick * gone)
-        walk.measured[9 - 3 * leg] = 1000 + round(way * tick * mate)
+        walk.measured.legs[leg].x = 1000 + round(way * tick * gone)
+        walk.measured.legs[3 - leg].x = 1000 + round(way * tick * mate)
         assert may_be_late(walk, leg) == late
 
 
@@ -132,8 +133,10 @@ def test_a_foot_is_held_up_when_it_pushes_with_0_285_of_the_weight(name, pushes,
     gives_m = pushes * robot.mass_kg * 9.81 * robot.stance.rest_height_m**2 / joint_drives(robot)[1].stiffness_Nm_rad
     walk.state.foot_speed.x, walk.state.swing_q15 = 400 << LF_BITS, 10000
     for leg in range(4):
-        walk.residual[:], walk.before[:], walk.measured[:] = [0] * 8, [0] * 12, [100] * 12
-        walk.residual[2 * leg] = -round(gives_m * (1 << params.length_shift))
+        walk.residual_x[:] = [0] * 4
+        unpack(walk.before, [0] * 12)
+        unpack(walk.measured, [100] * 12)
+        walk.residual_x[leg] = -round(gives_m * (1 << params.length_shift))
         held_up(params, walk, leg)
         assert walk.held[leg] == held
 
@@ -149,7 +152,7 @@ def test_late_is_the_same_in_floats(name):
         walk.state.foot_speed.x, walk.state.swing_q15 = speed << LF_BITS, swing
         twin.foot_speed[0], twin.u = speed / metre / twin.dt, swing / 32768
         for leg in range(4):
-            walk.before[3 * leg], walk.measured[3 * leg] = 0, moved[leg]
+            walk.before.legs[leg].x, walk.measured.legs[leg].x = 0, moved[leg]
         twin.before, twin.measured = [[0.0]] * 4, [[step / metre] for step in moved]
         for leg in range(4):
             if abs(moved[leg]) != abs(speed) and abs(swing - 13107) > 1:

@@ -10,7 +10,7 @@ from host.robot import trot_tuning as tuning
 from host.robot.file import load_robot
 from host.robot.scale import BRAD_PER_RAD, core_params, scale_of
 from shared.body.axes import Pose, Twist
-from shared.record import unpack
+from shared.record import pack, unpack
 from shared.sense.legs import MeasuredFeet, Sensing, sense_legs
 from shared.sense.odometry import Odometry
 from shared.sense.sensed import Sensed
@@ -97,8 +97,9 @@ class Pair:
         assert list(self.walk.stands) == self.twin.stands
         for mine, other in zip(self.goal, goals, strict=True):
             self.worst_brad = max(self.worst_brad, abs(mine - other * BRAD_PER_RAD))
-        for at, mine in enumerate(self.walk.feet):
-            self.worst_m = max(self.worst_m, abs(self.scale.metres(mine / 256) - self.twin.feet[at // 3][at % 3]))
+        for mine, foot in zip(self.walk.feet.legs, self.twin.feet, strict=True):
+            off_m = [abs(self.scale.metres(place / 256) - exact) for place, exact in zip(pack(mine), foot, strict=True)]
+            self.worst_m = max(self.worst_m, *off_m)
 
 
 def wander(pair, seconds, seed, gap=(5.0, 5.2)):
@@ -162,10 +163,10 @@ def test_a_foot_that_was_held_up_rises_before_it_goes_ahead():
         assert free_way_q15(pair.params, share) == pytest.approx(32768 * way(part), abs=4)
     walk, way_m = pair.walk, []
     for _ in pair.walk_with_a_held_foot():
-        for at in range(0, 12, 3):
-            if walk.frees[at // 3] and not walk.stands[at // 3]:
-                x, z = (pair.scale.metres(feet / 256) for feet in walk.feet[at : at + 3 : 2])
-                way_m.append((x - pair.scale.metres(walk.starts[at]), z + pair.twin.h))
+        for leg, foot in enumerate(walk.feet.legs):
+            if walk.frees[leg] and not walk.stands[leg]:
+                x, z = pair.scale.metres(foot.x / 256), pair.scale.metres(foot.z / 256)
+                way_m.append((x - pair.scale.metres(walk.starts.legs[leg].x), z + pair.twin.h))
     leg_m = pair.twin.leg_m
     assert min(x for x, _ in way_m) < -0.9 * tuning.DRAW_BACK * leg_m
     assert next(z for x, z in way_m if x > 0.02 * leg_m) > 0.3 * leg_m
@@ -227,7 +228,7 @@ def test_a_leg_that_can_not_lift_is_not_pushed_on_in_both():
     for _ in range(40):
         pair.tick((0.0, 0.0, 0.0), (0, 0), (0, 0, 0), moving=False)
     assert pair.worst_m < MOST_M
-    below_m = pair.scale.metres(pair.walk.residual[1])
+    below_m = pair.scale.metres(pair.walk.residual_z[0])
     assert 0.11 * pair.twin.leg_m < below_m < 0.15 * pair.twin.leg_m
 
 
@@ -239,7 +240,7 @@ def test_what_a_standing_foot_is_spared_is_as_the_floats_say(name, rate_hz):
     walk, params, twin = pair.walk, pair.params, pair.twin
     most, share = params.leg_length * 123 // 1024, 8 / twin.f.cycle_s / rate_hz
     for off in (*range(-40000, 40000, 37), most, most + 1, 32767 + most):
-        walk.residual[1], walk.state.known = off, 100
+        walk.residual_z[0], walk.state.known = off, 100
         exact = min(32767, max(0, off - most)) * share * 256
         assert spare(params, walk, 0) == pytest.approx(exact, abs=1 + exact * 0.5 / params.trot.raise_q16)
         walk.state.known = params.sent_ticks

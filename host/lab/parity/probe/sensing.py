@@ -37,12 +37,6 @@ def _forward(values, dice):
     legs_forward(values[0], ANGLES.array, FEET.waves, FEET.now)
 
 
-def _any_feet(values, dice):
-    """The feet of any joints."""
-    ANGLES.fill(dice)
-    legs_forward(PARAMS[0], ANGLES.array, FEET.waves, FEET.now)
-
-
 def _begin():
     sensing.sensing_reset(BLOCK)
     BLOCK.known = 90
@@ -75,5 +69,4 @@ PROBES = (
     ),
     Probe("joint_torque", sensing.joint_torque, (GAIN, GAIN, ANGLE18, ANGLE18)),
     Probe("keep_feet", sensing.keep_feet, (ANGLES, PLACES, BLOCK), watch=(BLOCK,), begin=_begin),
-    Probe("keep_before", sensing.keep_before, (FEET,), watch=(FEET.before,), fit=_any_feet),
 )

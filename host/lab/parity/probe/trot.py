@@ -186,7 +186,7 @@ PROBES = (
     _probe("swing_foot", feet, (ROBOT, WALK, LEG, POSE, SHARE, SHARE), fit=_moving),
     _probe("settle_foot", feet, (WALK, LEG, Range(0, 32767), Range(-32767, 0), SHARE), fit=_leg_moving),
     _probe("share_load", lead, (ROBOT, WALK)),
-    _probe("solve", lead, (ROBOT, WALK), (WALK.joints, WALK.hip_feet, WALK.planned)),
+    _probe("solve", lead, (ROBOT, WALK), (WALK.joints, WALK.hip_feet)),
     _probe("lead", lead, (ROBOT, WALK, GOAL), (GOAL, WALK.met)),
     _probe("slide", lead, (ROBOT, WALK, LEG, GOAL), (GOAL,)),
     _probe("trot_start", trot, (ROBOT, WALK), (WALK.feet, WALK.joints)),
