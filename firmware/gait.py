@@ -18,7 +18,7 @@ from shared.planner.status import Status
 from shared.record import field, record
 from shared.runtime import const, hot, ptr8
 from shared.sense.attitude import ALIGNING, Attitude, attitude_step
-from shared.sense.sensed import Sensed
+from shared.sense.sensed import PITCH, ROLL, Sensed
 
 from .link import (
     COMMAND,
@@ -205,10 +205,11 @@ def sense(attitude: Attitude, counts, sensed: Sensed, fault: int) -> None:
     if aligning == 0:
         valid.tilt = 1
         valid.turned = 1
-    for axis in range(3):
-        sensed.turned[axis] = attitude.turned[axis]
-    sensed.tilt[0] = attitude.roll
-    sensed.tilt[1] = attitude.pitch
+    sensed.turned.x = attitude.turned.x
+    sensed.turned.y = attitude.turned.y
+    sensed.turned.z = attitude.turned.z
+    sensed.tilt[ROLL] = attitude.roll
+    sensed.tilt[PITCH] = attitude.pitch
 
 
 @hot

@@ -14,7 +14,7 @@ from shared.planner.planner import Planner
 from shared.planner.status import RISING, STANDING, STATE_NAMES
 from shared.record import pack
 from shared.sense.odometry import odometry_restart
-from shared.sense.sensed import Sensed
+from shared.sense.sensed import PITCH, ROLL, Sensed
 
 from ..robot.gait_names import gait_index
 from ..robot.model import Robot
@@ -127,8 +127,8 @@ The crawl has its own speed; its figure is that of the trot that takes over from
             sensed.joints[joint] = brad(angle_rad)
         valid.tilt = int(roll_rad is not None and pitch_rad is not None)
         if roll_rad is not None and pitch_rad is not None:
-            sensed.tilt[0] = brad(roll_rad)
-            sensed.tilt[1] = brad(pitch_rad)
+            sensed.tilt[ROLL] = brad(roll_rad)
+            sensed.tilt[PITCH] = brad(pitch_rad)
 
     def step(self) -> list[float]:
         """Plan one tick and return the twelve joint goals in rad."""

@@ -6,6 +6,7 @@ last there is no attitude, so the planner walks without balance; a sensor that c
 
 from collections.abc import Sequence
 
+from shared.record import pack
 from shared.runtime import zeros
 from shared.sense.attitude import (
     ACCEL_REJECTED,
@@ -88,7 +89,7 @@ class Attitude:
         """Turning speeds about the body's x, y, z without bias, or None while they are not known."""
         if self.state != "ok":
             return None
-        x, y, z = (turned * self._rate_hz / (1 << 18) for turned in self.block.turned)
+        x, y, z = (turned * self._rate_hz / (1 << 18) for turned in pack(self.block.turned))
         return x, y, z
 
     def update(self) -> tuple[float, float] | None:

@@ -103,7 +103,7 @@ def _shape(params: Params) -> None:
 
 def _bend(leg: Leg) -> tuple[int, int]:
     """Reduce a leg's reach to where the calf's limits end; return its longest and shortest in its plane, lu."""
-    straight, bent = (leg.highest[2], leg.lowest[2]) if leg.knee < 0 else (leg.lowest[2], leg.highest[2])
+    straight, bent = (leg.highest.calf, leg.lowest.calf) if leg.knee < 0 else (leg.lowest.calf, leg.highest.calf)
     far, near = bent_length(leg, straight), bent_length(leg, bent)
     leg.longest = min(hypot(far, leg.hip_length), leg.longest)
     leg.shortest = max(hypot(near, leg.hip_length) + 1, leg.shortest)

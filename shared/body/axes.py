@@ -33,6 +33,15 @@ class Tilt(Axes):
 
 
 @record
+class Turn(Axes):
+    """How far a body turns about each axis."""
+
+    x: int = field("2^-18 rad", "rolls")
+    y: int = field("2^-18 rad", "pitches: nose down")
+    z: int = field("2^-18 rad", "to the left")
+
+
+@record
 class Pose(Axes):
     """Where a body is in a frame. It turns as pose.py says."""
 

@@ -9,7 +9,7 @@ carries what acts at the knee, because the calf's angle to the body is the other
 from ..num.fixed import cos_q15, mul_q15, saturate, sin_q15
 from ..runtime import Ints, const, hot
 from .feet import Feet
-from .params import Params
+from .params import CALF, THIGH, Params
 
 _FORCE_MAX_Q12 = const(16383)  # four times the own weight
 _SAG_MAX_BRAD = const(2730)  # 15 deg: beyond it a servo gives all it has anyway
@@ -55,7 +55,7 @@ def sag_leg(params: Params, leg: int, hip_feet: Feet, fx_q12: int, fy_q12: int, 
     at = leg * 3
     fz = saturate(fz_q12, -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
     x = foot.x
-    thigh = joints[at + 1]
+    thigh = joints[at + THIGH]
     length = params.legs[leg].thigh_length
     knee_x = -(length * sin_q15(thigh) + 0x4000 >> 15)  # mul_q15 without its call
     above = knee_x * fz + 2048 >> 12
@@ -75,8 +75,8 @@ def sag_leg(params: Params, leg: int, hip_feet: Feet, fx_q12: int, fy_q12: int, 
     joints[at] -= sag(around, params.sag_q16.hip)
     if params.coupled:
         give = sag(above, params.sag_q16.thigh)
-        joints[at + 1] += give
-        joints[at + 2] += sag(below, params.sag_q16.calf) - give
+        joints[at + THIGH] += give
+        joints[at + CALF] += sag(below, params.sag_q16.calf) - give
     else:
-        joints[at + 1] += sag(above + below, params.sag_q16.thigh)
-        joints[at + 2] += sag(below, params.sag_q16.calf)
+        joints[at + THIGH] += sag(above + below, params.sag_q16.thigh)
+        joints[at + CALF] += sag(below, params.sag_q16.calf)

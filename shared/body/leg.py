@@ -13,7 +13,7 @@ in other axes. All four knee configurations differ only in the k of each leg.
 from ..num.fixed import atan2_brad18, cos_q15, isqrt, mul_q15, round_brad, round_sqrt, saturate, sin_q15
 from ..runtime import Ints, const, hot
 from .feet import Feet
-from .params import LEGS, Params
+from .params import CALF, LEGS, THIGH, Params
 
 LIMIT_HIP = const(8)
 LIMIT_THIGH = const(16)
@@ -34,8 +34,8 @@ def leg_forward(params: Params, leg: int, joints: Ints, feet: Feet) -> None:
     l2 = base.thigh_length
     l3 = base.calf_length
     l1 = base.hip_length
-    thigh = joints[at + 1]
-    shank = thigh + joints[at + 2]
+    thigh = joints[at + THIGH]
+    shank = thigh + joints[at + CALF]
     foot.x = -mul_q15(l2, sin_q15(thigh)) - mul_q15(l3, sin_q15(shank))
     drop = mul_q15(l2, cos_q15(thigh)) + mul_q15(l3, cos_q15(shank))
     sine = sin_q15(joints[at])
@@ -80,8 +80,8 @@ def leg_inverse(params: Params, leg: int, feet: Feet, joints: Ints) -> None:
         bend = -bend
         lead = -lead
     joints[at] = round_brad(atan2_brad18(y * drop + z * l1, y * l1 - z * drop))
-    joints[at + 1] = round_brad(-atan2_brad18(x, drop) - lead)
-    joints[at + 2] = round_brad(bend)
+    joints[at + THIGH] = round_brad(-atan2_brad18(x, drop) - lead)
+    joints[at + CALF] = round_brad(bend)
 
 
 @hot
@@ -109,12 +109,30 @@ def limit_legs(params: Params, joints: Ints, flags: Ints) -> int:
     together = 0
     at = 0
     for leg in range(LEGS):
-        limb = params.legs[leg]
-        for joint in range(3):
-            angle = joints[at]
-            if angle < limb.lowest[joint] or angle > limb.highest[joint]:
-                joints[at] = saturate(angle, limb.lowest[joint], limb.highest[joint])
-                flags[leg] |= LIMIT_HIP << joint
-                together |= LIMIT_HIP << joint
-            at += 1
+        lowest = params.legs[leg].lowest
+        highest = params.legs[leg].highest
+        hip = joints[at]
+        thigh = joints[at + THIGH]
+        calf = joints[at + CALF]
+        if hip < lowest.hip or hip > highest.hip or thigh < lowest.thigh or thigh > highest.thigh or (
+            calf < lowest.calf or calf > highest.calf
+        ):
+            acted = limit_leg(params, leg, joints)
+            flags[leg] |= acted
+            together |= acted
+        at += 3
     return together
+
+
+@hot
+def limit_leg(params: Params, leg: int, joints: Ints) -> int:
+    """Limit the joints of one leg as limit_legs does; return what acted."""
+    limb = params.legs[leg]
+    acted = 0
+    for joint in range(3):
+        at = leg * 3 + joint
+        angle = joints[at]
+        joints[at] = saturate(angle, limb.lowest[joint], limb.highest[joint])
+        if joints[at] != angle:
+            acted |= LIMIT_HIP << joint
+    return acted

@@ -8,7 +8,7 @@ from ..num.fixed import arctans_brad18, round_roots
 from ..num.tables import SINE_LINES
 from ..runtime import Ints, const, hot, zeros
 from .feet import Feet
-from .params import JOINTS, LEGS, Params
+from .params import CALF, JOINTS, LEGS, THIGH, Params
 from .reach import reach_foot
 
 
@@ -66,8 +66,8 @@ def legs_forward(params: Params, joints: Ints, waves: Ints, feet: Feet) -> None:
         side = limb.hip_length
         sine = waves[at]
         cosine = waves[at + JOINTS]
-        drop = (upper * waves[at + JOINTS + 1] + 0x4000 >> 15) + (lower * waves[at + JOINTS + 2] + 0x4000 >> 15)
-        ahead = (upper * waves[at + 1] + 0x4000 >> 15) + (lower * waves[at + 2] + 0x4000 >> 15)
+        drop = (upper * waves[at + JOINTS + THIGH] + 0x4000 >> 15) + (lower * waves[at + JOINTS + CALF] + 0x4000 >> 15)
+        ahead = (upper * waves[at + THIGH] + 0x4000 >> 15) + (lower * waves[at + CALF] + 0x4000 >> 15)
         foot.x = limb.hip.x - ahead
         foot.y = limb.hip.y + (side * cosine + 0x4000 >> 15) + (drop * sine + 0x4000 >> 15)
         foot.z = limb.hip.z + (side * sine + 0x4000 >> 15) - (drop * cosine + 0x4000 >> 15)
@@ -150,10 +150,10 @@ def fill_turns(params: Params, hip_feet: Feet, work: LegsWork) -> None:
         side = limb.hip_length
         rises[at] = y * drop + z * side
         runs[at] = y * side - z * drop
-        rises[at + 1] = foot.x
-        runs[at + 1] = drop
-        rises[at + 2] = roots[leg]
-        runs[at + 2] = roots[leg + LEGS]
+        rises[at + THIGH] = foot.x
+        runs[at + THIGH] = drop
+        rises[at + CALF] = roots[leg]
+        runs[at + CALF] = roots[leg + LEGS]
         if limb.half_diff:
             count = 4 * LEGS
             rises[leg + 3 * LEGS] = roots[leg] * roots[leg + LEGS] >> 1
@@ -169,14 +169,14 @@ def finish_turns(params: Params, work: LegsWork, joints: Ints) -> None:
     at = 0
     for leg in range(LEGS):
         limb = params.legs[leg]
-        bend = turns[at + 2] << 1
-        lead = turns[at + 2]
+        bend = turns[at + CALF] << 1
+        lead = turns[at + CALF]
         if limb.half_diff:
             lead = turns[leg + 3 * LEGS]
         if limb.knee < 0:
             bend = -bend
             lead = -lead
         joints[at] = ((turns[at] + 2 >> 2) + _HALF & 0xFFFF) - _HALF
-        joints[at + 1] = ((2 - turns[at + 1] - lead >> 2) + _HALF & 0xFFFF) - _HALF
-        joints[at + 2] = ((bend + 2 >> 2) + _HALF & 0xFFFF) - _HALF
+        joints[at + THIGH] = ((2 - turns[at + THIGH] - lead >> 2) + _HALF & 0xFFFF) - _HALF
+        joints[at + CALF] = ((bend + 2 >> 2) + _HALF & 0xFFFF) - _HALF
         at += 3

@@ -78,17 +78,11 @@ def load_moments(feet: Feet, weights: Ints, planar: int, block: Load) -> int:
     Arguments as load_share's. The moments are shortened until xx + yy has 14 bits. Intermediates: 256 * 1023^2.
     In the plane all y are 0.
     """
-    total = weights[0] + weights[1] + weights[2] + weights[3]
+    total = load_middle(feet, weights, block)
     if total <= 0:
         return 0
-    middle_x = 0
-    middle_y = 0
-    for leg in range(LEGS):
-        foot = feet.legs[leg]
-        middle_x += foot.x * weights[leg]
-        middle_y += foot.y * weights[leg]
-    middle_x //= total
-    middle_y //= total
+    middle_x = block.middle.x
+    middle_y = block.middle.y
     xx = 0
     xy = 0
     yy = 0
@@ -116,12 +110,31 @@ def load_moments(feet: Feet, weights: Ints, planar: int, block: Load) -> int:
         xy >>= 1
         yy >>= 1
         shift += 1
-    block.middle.x = middle_x
-    block.middle.y = middle_y
     block.xx = xx
     block.xy = xy
     block.yy = yy
     block.shift = shift
+    return total
+
+
+@hot
+def load_middle(feet: Feet, weights: Ints, block: Load) -> int:
+    """Write the weighted middle of the feet, if any stands; return the sum of the weights.
+
+    Intermediates: 2^17 * 256.
+    """
+    total = 0
+    x = 0
+    y = 0
+    for leg in range(LEGS):
+        foot = feet.legs[leg]
+        weight = weights[leg]
+        total += weight
+        x += foot.x * weight
+        y += foot.y * weight
+    if total > 0:
+        block.middle.x = x // total
+        block.middle.y = y // total
     return total
 
 

@@ -5,8 +5,8 @@
 2^-18 rad. Speeds are per tick of the planner, so the record belongs to one rate.
 """
 
-from ..record import Axes, field, part, parts, record, vector
-from ..runtime import Ints, const
+from ..record import Axes, field, part, parts, record
+from ..runtime import const
 from .axes import Point, Pose, Twist
 from .crawl_setup import CrawlSetup
 from .trot_setup import TrotSetup
@@ -17,6 +17,8 @@ FR = const(0)
 FL = const(1)
 RR = const(2)
 RL = const(3)
+THIGH = const(1)  # places of a leg's joints after its hip's
+CALF = const(2)
 
 
 @record
@@ -50,11 +52,11 @@ class Leg:
     outer_sq: int = field("lu^2", "(L2 + L3)^2")
     inner_sq: int = field("lu^2", "(L2 - L3)^2")
     half_diff: int = field("lu^2", "(L2^2 - L3^2) / 2")
-    lowest: Ints = vector(3, "brad", "joint limits of hip, thigh, calf")
-    highest: Ints = vector(3, "brad", "joint limits of hip, thigh, calf")
+    lowest: LegJoints = part(LegJoints, "joint limits, brad")
+    highest: LegJoints = part(LegJoints, "joint limits, brad")
     hip: Point = part(Point, "the hip in the body")
     rest: Point = part(Point, "the foot in the body at rest")
-    lies: Ints = vector(3, "brad", "joints of the leg folded beside a robot that lies on its belly")
+    lies: LegJoints = part(LegJoints, "the leg folded beside a robot that lies on its belly, brad")
     clearance: int = field("lu", "the highest a trot's foot is put, from its hip (negative)")
 
 

@@ -6,7 +6,7 @@ is the ROS order but for roll times pitch. Stance feet stay where they are in th
 foot rolls when its shank turns and that a foot which has slipped is followed slowly.
 """
 
-from ..body.params import FL, FR, LEGS, LF_BITS, RL, RR
+from ..body.params import CALF, FL, FR, LEGS, LF_BITS, RL, RR, THIGH
 from ..num.filters import fraction
 from ..num.fixed import atan2_brad18, cos_q15, saturate, sin_q15
 from ..runtime import Ints, const, hot
@@ -30,7 +30,7 @@ def roll_feet(crawl: Crawl, joints: Ints) -> None:
     pitch = map.body_pose.pitch >> LF_BITS
     yaw = map.body_pose.yaw >> LF_BITS
     for leg in range(LEGS):
-        shank = pitch + joints[leg * 3 + 1] + joints[leg * 3 + 2]
+        shank = pitch + joints[leg * 3 + THIGH] + joints[leg * 3 + CALF]
         turn = saturate(shank - map.shank[leg], -840, 840)
         map.shank[leg] = shank
         if crawl.support.stance[leg]:

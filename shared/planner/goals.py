@@ -6,7 +6,7 @@ Both ends of a tick, in every state. In ordinary walking a reading never is odd,
 acts where a gait asks for more than the joint has (the papers' trot, the first ticks of a swing).
 """
 
-from ..body.params import JOINTS, Params
+from ..body.params import CALF, JOINTS, THIGH, Params
 from ..num.fixed import saturate
 from ..record import field, record, vector
 from ..runtime import Ints, const, hot
@@ -41,21 +41,21 @@ def follow_goals(params: Params, wanted: Ints, joints: Ints) -> None:
     least = -most
     for at in range(0, JOINTS, 3):
         hip = wanted[at] - joints[at]
-        thigh = wanted[at + 1] - joints[at + 1]
-        calf = wanted[at + 2] - joints[at + 2]
+        thigh = wanted[at + THIGH] - joints[at + THIGH]
+        calf = wanted[at + CALF] - joints[at + CALF]
         if hip > most or hip < least or thigh > most or thigh < least or calf > most or calf < least:
             follow_leg(params, wanted, joints, at)
         else:
             joints[at] = wanted[at]
-            joints[at + 1] = wanted[at + 1]
-            joints[at + 2] = wanted[at + 2]
+            joints[at + THIGH] = wanted[at + THIGH]
+            joints[at + CALF] = wanted[at + CALF]
 
 
 @hot
 def follow_leg(params: Params, wanted: Ints, joints: Ints, at: int) -> None:
     """Move the three joints of one leg, from ``at`` on, as follow_goals does."""
-    thigh = wanted[at + 1] - joints[at + 1]
-    calf = wanted[at + 2] - joints[at + 2]
+    thigh = wanted[at + THIGH] - joints[at + THIGH]
+    calf = wanted[at + CALF] - joints[at + CALF]
     if params.coupled:
         calf += thigh
     thigh = saturate(thigh, -params.joint_top.thigh, params.joint_top.thigh)
@@ -63,8 +63,8 @@ def follow_leg(params: Params, wanted: Ints, joints: Ints, at: int) -> None:
     if params.coupled:
         calf -= thigh
     joints[at] += saturate(wanted[at] - joints[at], -params.joint_top.hip, params.joint_top.hip)
-    joints[at + 1] += thigh
-    joints[at + 2] += calf
+    joints[at + THIGH] += thigh
+    joints[at + CALF] += calf
 
 
 @hot

@@ -9,7 +9,7 @@ from ..body.reach import TOO_NEAR, reach_foot
 from ..body.stability import support_margin
 from ..num.fixed import saturate
 from ..runtime import Ints, hot
-from ..sense.sensed import Sensed
+from ..sense.sensed import PITCH, ROLL, Sensed
 from .command import Command
 from .handover import fade_out
 from .state import PlannerState
@@ -33,8 +33,8 @@ def level(planner: PlannerState, command: Command, sensed: Sensed) -> None:
     """Add balance to the slewed body pose. NO_ATTITUDE if it was asked for in vain."""
     posed = planner.posed
     if command.balance and sensed.valid.tilt:
-        roll = saturate(sensed.tilt[0], -32768, 32767)
-        pitch = saturate(sensed.tilt[1], -32768, 32767)
+        roll = saturate(sensed.tilt[ROLL], -32768, 32767)
+        pitch = saturate(sensed.tilt[PITCH], -32768, 32767)
         balance_step(planner.balance, planner.pose, roll, pitch)
     else:
         balance_release(planner.balance, planner.params.pose_slew.roll)

@@ -4,7 +4,7 @@ from ..body.params import JOINTS
 from ..runtime import Ints, hot
 from ..sense.legs import sense_legs, sensing_reset
 from ..sense.odometry import odometry_lost, odometry_step, weigh_feet
-from ..sense.sensed import Sensed
+from ..sense.sensed import PITCH, ROLL, Sensed
 from .goals import believe
 from .state import PlannerState
 from .status import ODD_READING, STANDING, WALKING
@@ -31,9 +31,9 @@ def take_senses(planner: PlannerState, sensed: Sensed) -> None:
         known.joints = note_odd(planner, odd)
         planner.status.met |= known.joints
     known.turned = valid.turned
-    believed.turned[0] = sensed.turned[0]
-    believed.turned[1] = sensed.turned[1]
-    believed.turned[2] = sensed.turned[2]
+    believed.turned.x = sensed.turned.x
+    believed.turned.y = sensed.turned.y
+    believed.turned.z = sensed.turned.z
 
 
 @hot
@@ -69,8 +69,8 @@ def feel_legs(planner: PlannerState) -> None:
     roll = 0
     pitch = 0
     if planner.sensed.valid.tilt:
-        roll = planner.sensed.tilt[0]
-        pitch = planner.sensed.tilt[1]
+        roll = planner.sensed.tilt[ROLL]
+        pitch = planner.sensed.tilt[PITCH]
     sense_legs(planner.params, planner.sensed.joints, roll, pitch, planner.measured_feet, planner.sensing)
 
 

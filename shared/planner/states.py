@@ -9,12 +9,12 @@ its belly, the legs anywhere, folds them at its sides, where they lift nothing, 
 
 from ..body.axes import POSE_AXES
 from ..body.balance import balance_reset
-from ..body.params import JOINTS, LEGS
+from ..body.params import CALF, JOINTS, LEGS, THIGH
 from ..gait.steps import place_feet, steps_reset
 from ..gait.table import MOVER_TABLE
 from ..runtime import hot
 from ..sense.legs import sensing_reset
-from ..sense.sensed import Sensed
+from ..sense.sensed import PITCH, ROLL, Sensed
 from ..trot.trot import trot_start
 from .command import MODE_FOLD, MODE_LIMP, MODE_SIT, MODE_STAND, Command
 from .goals import joints_near
@@ -73,9 +73,11 @@ def watch_tilt(planner: PlannerState, sensed: Sensed, mode: int) -> int:
     if mode == MODE_LIMP or mode == MODE_SIT:
         status.fallen = 0
     most = planner.params.tilt_max
+    roll = sensed.tilt[ROLL]
+    pitch = sensed.tilt[PITCH]
     if sensed.valid.tilt == 0 or (status.state != STANDING and status.state != WALKING):
         status.tilted = 0
-    elif sensed.tilt[0] > most or sensed.tilt[0] < -most or sensed.tilt[1] > most or sensed.tilt[1] < -most:
+    elif roll > most or roll < -most or pitch > most or pitch < -most:
         status.tilted += 1
     else:
         status.tilted = 0
@@ -130,8 +132,9 @@ def lie_folded(planner: PlannerState) -> None:
     """Want all legs folded at the sides."""
     for leg in range(LEGS):
         lies = planner.params.legs[leg].lies
-        for joint in range(3):
-            planner.goal[leg * 3 + joint] = lies[joint]
+        planner.goal[leg * 3] = lies.hip
+        planner.goal[leg * 3 + THIGH] = lies.thigh
+        planner.goal[leg * 3 + CALF] = lies.calf
 
 
 @hot

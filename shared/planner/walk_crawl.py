@@ -6,7 +6,7 @@ from ..crawl.state import REST, STILL
 from ..gait.table import MOVER_CRAWL, MOVER_TROT
 from ..num.fixed import saturate
 from ..runtime import hot
-from ..sense.sensed import Sensed
+from ..sense.sensed import PITCH, ROLL, Sensed
 from .command import MODE_WALK, Command
 from .handover import REASON_COMMAND, REASON_EVEN, REASON_NONE, exchanges, straight_on
 from .state import PlannerState
@@ -32,8 +32,8 @@ def walk_crawl(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     if sensed.valid.joints == 0 or sensed.valid.tilt == 0:
         planner.status.flags |= BLIND
         return REASON_NONE
-    roll = saturate(sensed.tilt[0], -32768, 32767)
-    pitch = saturate(sensed.tilt[1], -32768, 32767)
+    roll = saturate(sensed.tilt[ROLL], -32768, 32767)
+    pitch = saturate(sensed.tilt[PITCH], -32768, 32767)
     if planner.crawl.stage.stage == STILL and planner.sensing.known > planner.params.sent_ticks + 1:
         crawl_start(planner.crawl, planner.sensing, sensed.joints, planner.joints, roll, pitch)
     if planner.crawl.stage.stage == STILL:

@@ -12,7 +12,7 @@ MPU6050 scales (register map, sections 4.17 and 4.19): +-2 g = 16384 counts a g,
 +-250 deg/s = 131 counts a deg/s; the other ranges only change the gains in the attitude.
 """
 
-from ..body.axes import Point
+from ..body.axes import Point, Turn
 from ..num.fixed import atan2_brad, hypot, isqrt, saturate
 from ..record import field, part, record, vector
 from ..runtime import Ints, const, hot
@@ -40,7 +40,7 @@ class Attitude:
     roll: int = field("brad", "the result")
     pitch: int = field("brad", "the result")
     rest_q27: Ints = vector(3, "rad Q27", "what of each axis's turn was too small for the tick before")
-    turned: Ints = vector(3, "2^-18 rad", "turn about x, y and z in the last tick")
+    turned: Turn = part(Turn, "in the last tick")
 
 
 ALIGNING = const(1)  # attitude_step flags
@@ -153,9 +153,9 @@ def turn(attitude: Attitude, gyro_accel: Ints) -> None:
     wx = rate_q18(attitude, gyro_accel[0], 0)
     wy = rate_q18(attitude, gyro_accel[1], 1)
     wz = rate_q18(attitude, gyro_accel[2], 2)
-    attitude.turned[0] = wx
-    attitude.turned[1] = wy
-    attitude.turned[2] = wz
+    attitude.turned.x = wx
+    attitude.turned.y = wy
+    attitude.turned.z = wz
     x = attitude.gravity.x
     y = attitude.gravity.y
     z = attitude.gravity.z

@@ -13,7 +13,7 @@ with t2' = t2 where the calf's motor is on the body (paper B).
 from ..body.axes import Point, Spot
 from ..body.feet import Feet
 from ..body.legs import legs_forward
-from ..body.params import JOINTS, LEGS, Params
+from ..body.params import CALF, JOINTS, LEGS, THIGH, Params
 from ..num.fixed import cos_q15, saturate, sin_q15
 from ..record import field, parts, record, vector
 from ..runtime import Ints, const, hot, zeros
@@ -139,7 +139,7 @@ def keep_feet(joints: Ints, feet: Feet, sensing: Sensing) -> None:
         level.x = ahead
         level.y = aside
         level.z = foot.y * roll_sine + z * roll_cosine + 0x1000 >> 13
-        shank = (joints[at + 1] + joints[at + 2] + sensing.pitch + 0x8000 & 0xFFFF) - 0x8000
+        shank = (joints[at + THIGH] + joints[at + CALF] + sensing.pitch + 0x8000 & 0xFFFF) - 0x8000
         hip = (joints[at] + sensing.roll + 0x8000 & 0xFFFF) - 0x8000
         rolled.x = ahead - (sensing.rolls_q12 * shank >> 12)
         rolled.y = aside + (sensing.rolls_q12 * hip >> 12)
@@ -153,19 +153,19 @@ def feel_forces(params: Params, joints: Ints, waves: Ints, sensing: Sensing) -> 
     A calf motor on the body answers the errors of thigh and calf together. A leg within about 2 deg of straight gives
     0. Intermediates: two halves of 32767 * 32767.
     """
-    at = 1
+    at = 0
     for leg in range(LEGS):
         sent = sensing.answered + at
-        thigh = joints[at]
-        calf = joints[at + 1]
-        error = sensing.sent[sent] - thigh
-        turned = thigh - sensing.joints[at]
+        thigh = joints[at + THIGH]
+        calf = joints[at + CALF]
+        error = sensing.sent[sent + THIGH] - thigh
+        turned = thigh - sensing.joints[at + THIGH]
         above = joint_torque(params.stiff_q8.thigh, params.damp_q8.thigh, error, turned)
         if params.coupled == 0:
             error = 0
             turned = 0
-        error += sensing.sent[sent + 1] - calf
-        turned += calf - sensing.joints[at + 1]
+        error += sensing.sent[sent + CALF] - calf
+        turned += calf - sensing.joints[at + CALF]
         below = joint_torque(params.stiff_q8.calf, params.damp_q8.calf, error, turned)
         if params.coupled == 0:
             above = saturate(above - below, -32767, 32767)
@@ -173,8 +173,8 @@ def feel_forces(params: Params, joints: Ints, waves: Ints, sensing: Sensing) -> 
         arms = -((limb.thigh_length * limb.calf_length >> 13) * sin_q15(calf) + 0x4000 >> 15)
         force = 0
         if arms >= _STRAIGHT or arms <= -_STRAIGHT:
-            knee_drop = limb.thigh_length * waves[at + JOINTS] + 0x4000 >> 15
-            calf_drop = limb.calf_length * waves[at + JOINTS + 1] + 0x4000 >> 15
+            knee_drop = limb.thigh_length * waves[at + JOINTS + THIGH] + 0x4000 >> 15
+            calf_drop = limb.calf_length * waves[at + JOINTS + CALF] + 0x4000 >> 15
             force = ((knee_drop * below >> 1) - (calf_drop * above >> 1)) // arms
         sensing.force_q12[leg] = saturate(force, -_FORCE_MAX_Q12, _FORCE_MAX_Q12)
         at += 3

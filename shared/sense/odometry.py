@@ -14,7 +14,7 @@ feet that differ would count alike, whatever they carry. Slips stay in it, and s
 off: ``odometry_spread`` tells how much that is.
 """
 
-from ..body.axes import Spot
+from ..body.axes import Spot, Turn
 from ..body.params import LEGS, Params
 from ..num.fixed import cos_q15, saturate, sin_q15
 from ..record import field, part, parts, record, vector
@@ -212,13 +212,13 @@ def see_feet(sensing: Sensing, total: int, odometry: Odometry) -> None:
 
 
 @hot
-def turn_of_body(sensing: Sensing, turned: Ints) -> int:
+def turn_of_body(sensing: Sensing, turned: Turn) -> int:
     """Return how far the heading turns as the body turns by ``turned``, 2^-18 rad about its own axes, in the same.
 
     Limited to +-2^15. Error at most 1 + 3e-4 of it up to a roll of 60 deg. Intermediates: 2 * 2^15 * 2^13.
     """
-    about_x = saturate(turned[0], -_TURN_MAX, _TURN_MAX)
-    about_z = saturate(turned[2], -_TURN_MAX, _TURN_MAX)
+    about_x = saturate(turned.x, -_TURN_MAX, _TURN_MAX)
+    about_z = saturate(turned.z, -_TURN_MAX, _TURN_MAX)
     level = about_z * sensing.pitch_cosine_q13 - about_x * sensing.pitch_sine_q13
     cosine = saturate(sensing.roll_cosine_q13, 4096, 8191)
     return saturate((level + (cosine >> 1)) // cosine, -_TURN_MAX, _TURN_MAX)

@@ -1,8 +1,12 @@
 """What is sensed of the robot in a tick, as the core takes it."""
 
+from ..body.axes import Turn
 from ..body.params import JOINTS
-from ..record import field, record
-from ..runtime import Ints, zeros
+from ..record import field, pack, record
+from ..runtime import Ints, const, zeros
+
+ROLL = const(0)  # places in a tilt
+PITCH = const(1)
 
 
 @record
@@ -17,25 +21,26 @@ class Valid:
 class Sensed:
     """Attitude, joints and turning rates of one tick.
 
-    ``tilt``: roll and pitch, brad. ``joints``: 12 brad, as measured. ``turned``: how far the body turned about x, y and
-    z in this tick, without the gyroscope's bias, 2^-18 rad. ``valid`` says which of them may be used.
+    ``tilt``: roll and pitch, brad. ``joints``: 12 brad, as measured. ``turned``: how far the body turned in
+    this tick, without the gyroscope's bias. ``valid`` says which of them may be used.
     """
 
     def __init__(self) -> None:
         self.valid = Valid()
         self.tilt = zeros(2)
         self.joints = zeros(JOINTS)
-        self.turned = zeros(3)
+        self.turned = Turn()
 
     def pack(self) -> Ints:
         """Return its 20 integers as recordings keep them: tilt, joints, turned, each followed by its validity."""
         valid = self.valid
-        return list(self.tilt) + [valid.tilt] + list(self.joints) + [valid.joints] + list(self.turned) + [valid.turned]
+        return list(self.tilt) + [valid.tilt] + list(self.joints) + [valid.joints] + pack(self.turned) + [valid.turned]
 
     def unpack(self, integers: Ints) -> None:
         """Take what ``pack`` returned."""
         valid = self.valid
-        self.tilt[0], self.tilt[1], valid.tilt = integers[:3]
+        self.tilt[ROLL], self.tilt[PITCH], valid.tilt = integers[:3]
         for joint in range(JOINTS):
             self.joints[joint] = integers[3 + joint]
-        valid.joints, self.turned[0], self.turned[1], self.turned[2], valid.turned = integers[3 + JOINTS :]
+        turned = self.turned
+        valid.joints, turned.x, turned.y, turned.z, valid.turned = integers[3 + JOINTS :]

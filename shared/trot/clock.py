@@ -24,19 +24,12 @@ def go_on(params: Params, walk: Trot, still: int) -> None:
     """
     state = walk.state
     setup = params.trot
-    step = setup.phase_step_q20
-    if state.pushed and state.swinging:
-        step = hurried_step(params, walk)
     if walk.wish.moving == 0:
         state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
         state.still_q20 = 0
         stand_all(walk)
         return
-    state.phase_q20 = state.phase_q20 + step & CYCLE_Q20 - 1
-    if still == 0:
-        state.still_q20 = 0
-    elif state.still_q20 < _STILL_MAX:
-        state.still_q20 += step
+    move_phase(params, walk, still)
     stands = walk.stands
     swinging = 0
     standing = 0
@@ -68,6 +61,20 @@ def go_on(params: Params, walk: Trot, still: int) -> None:
             swinging |= 1 << leg
     state.swinging = swinging
     state.standing = standing
+
+
+@hot
+def move_phase(params: Params, walk: Trot, still: int) -> None:
+    """Move the cycle on by one tick, and count for how long the command has been to stand (``still`` 1)."""
+    state = walk.state
+    step = params.trot.phase_step_q20
+    if state.pushed and state.swinging:
+        step = hurried_step(params, walk)
+    state.phase_q20 = state.phase_q20 + step & CYCLE_Q20 - 1
+    if still == 0:
+        state.still_q20 = 0
+    elif state.still_q20 < _STILL_MAX:
+        state.still_q20 += step
 
 
 @hot

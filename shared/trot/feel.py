@@ -4,9 +4,10 @@ A foot that stands does not move, so the body moves against it: against the moti
 turn with the body's rates, and what is left is the body's speed over that foot, tipping included.
 """
 
+from ..body.axes import Turn
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import saturate
-from ..runtime import Ints, const, hot
+from ..runtime import const, hot
 from .state import Trot
 
 _TURN_MAX = const(16383)  # 2^-18 rad / tick: 3 rad/s at 50 Hz
@@ -15,8 +16,8 @@ _GAP_MAX = const(131071)  # lu Q4
 
 
 @hot
-def feel(params: Params, walk: Trot, turned: Ints, valid: int) -> None:
-    """Take the measured feet and the turn of this tick, 3 x 2^-18 rad.
+def feel(params: Params, walk: Trot, turned: Turn, valid: int) -> None:
+    """Take the measured feet and the turn of this tick.
 
     ``valid`` 0: something is missing; nothing is known then, and the speed is taken to be what was commanded.
     """
@@ -37,7 +38,7 @@ def feel(params: Params, walk: Trot, turned: Ints, valid: int) -> None:
 
 
 @hot
-def see_speed(params: Params, walk: Trot, turned: Ints) -> None:
+def see_speed(params: Params, walk: Trot, turned: Turn) -> None:
     """Follow the mean speed of the body over the feet that surely stand.
 
     Those stand by plan, and did a tick before the goals that the joints answer: a landing tells no speed.
@@ -45,9 +46,9 @@ def see_speed(params: Params, walk: Trot, turned: Ints) -> None:
     Intermediates: 2 * 16383 * 32767 < 2^30; a speed's error of 2^19 times 2^9.
     """
     state = walk.state
-    about_x = saturate(turned[0], -_TURN_MAX, _TURN_MAX)
-    about_y = saturate(turned[1], -_TURN_MAX, _TURN_MAX)
-    about_z = saturate(turned[2], -_TURN_MAX, _TURN_MAX)
+    about_x = saturate(turned.x, -_TURN_MAX, _TURN_MAX)
+    about_y = saturate(turned.y, -_TURN_MAX, _TURN_MAX)
+    about_z = saturate(turned.z, -_TURN_MAX, _TURN_MAX)
     stood = walk.past_stands[state.ring_at - params.sent_ticks - 1 & 15] & walk.past_stands[state.ring_at - 1 & 15]
     count = 0
     ahead = 0

@@ -2,7 +2,7 @@
 
 from ..body.compliance import sag_leg
 from ..body.legs import legs_inverse
-from ..body.params import JOINTS, LEGS, LF_BITS, Params
+from ..body.params import CALF, JOINTS, LEGS, LF_BITS, THIGH, Params
 from ..num.fixed import saturate
 from ..runtime import Ints, const, hot
 from .react import MET, MET_NOW
@@ -62,8 +62,8 @@ def lead(params: Params, walk: Trot, goal: Ints) -> None:
     for leg in range(LEGS):
         at = leg * 3
         goal[at] = walk.joints[at]
-        goal[at + 1] = walk.joints[at + 1]
-        goal[at + 2] = walk.joints[at + 2]
+        goal[at + THIGH] = walk.joints[at + THIGH]
+        goal[at + CALF] = walk.joints[at + CALF]
         if walk.load_q12[leg]:
             sag_leg(params, leg, walk.hip_feet, 0, 0, walk.load_q12[leg], goal)
         led = lag

@@ -1,9 +1,10 @@
 """From command and measured motion to how the standing feet go back, how the body turns, and where feet are to land."""
 
-from ..body.axes import Pose, Twist
+from ..body.axes import Pose, Turn, Twist
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import saturate
 from ..runtime import Ints, const, hot
+from ..sense.sensed import PITCH, ROLL
 from .ground import climbs
 from .state import Trot
 
@@ -19,7 +20,7 @@ _MORE_Q8 = const(77)  # 0.3 of the speed: the most that is added to reach it
 
 
 @hot
-def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) -> None:
+def steer(params: Params, walk: Trot, speed: Twist, turned: Turn, pose: Pose) -> None:
     """Write the speeds of the feet for a commanded one (lf / tick, yaw18 / tick) and what was measured.
 
     A round foot's centre goes slower than the body. What is missed of the speed is added, but not while swings are
@@ -48,7 +49,7 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Ints, pose: Pose) ->
     turn = speed.wz + ((pose.yaw - walk.posed.yaw) * _BRAD_18 >> 10)
     walk.posed.yaw = pose.yaw
     if walk.wish.moving:
-        missed = turn - saturate(turned[2], -_HEADING_MAX, _HEADING_MAX)
+        missed = turn - saturate(turned.z, -_HEADING_MAX, _HEADING_MAX)
         state.heading_18 = saturate(state.heading_18 + missed, -_HEADING_MAX, _HEADING_MAX)
         turn += state.heading_18 * setup.heading_q16 >> 16
     state.turn_18 = saturate(turn, -_TURN_MAX, _TURN_MAX)
@@ -143,7 +144,7 @@ def wait_for_feet(params: Params, walk: Trot, pose: Pose) -> None:
 
 
 @hot
-def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Pose) -> None:
+def lean(params: Params, walk: Trot, tilt: Ints, turned: Turn, pose: Pose) -> None:
     """Take roll and pitch, brad, and the body's pose; write the tilt to come and the turns that level it.
 
     Tilts are limited to 45 deg. A changing pose moves the standing feet along, and turns the body where nothing levels
@@ -151,12 +152,12 @@ def lean(params: Params, walk: Trot, tilt: Ints, turned: Ints, pose: Pose) -> No
     """
     state = walk.state
     posed = walk.posed
-    roll = saturate(tilt[0], -_TILT_MAX, _TILT_MAX)
-    pitch = saturate(tilt[1], -_TILT_MAX, _TILT_MAX)
+    roll = saturate(tilt[ROLL], -_TILT_MAX, _TILT_MAX)
+    pitch = saturate(tilt[PITCH], -_TILT_MAX, _TILT_MAX)
     state.tilt_q14.roll = tilt_to_come(params, roll, 0)
     state.tilt_q14.pitch = tilt_to_come(params, pitch, 0)
-    state.roll_q14 = tilt_to_come(params, roll, turned[0])
-    state.pitch_q14 = tilt_to_come(params, pitch, turned[1])
+    state.roll_q14 = tilt_to_come(params, roll, turned.x)
+    state.pitch_q14 = tilt_to_come(params, pitch, turned.y)
     if walk.wish.balance and state.known:
         state.roll_18 = turn_level(params, roll - pose.roll)
         state.pitch_18 = turn_level(params, pitch - pose.pitch)

@@ -10,7 +10,7 @@ from ..body.axes import Pose, Twist
 from ..body.leg import limit_legs
 from ..body.params import LEGS, LF_BITS, Params
 from ..runtime import Ints, const, hot
-from ..sense.sensed import Sensed
+from ..sense.sensed import PITCH, ROLL, Sensed
 from .clock import go_on
 from .feel import feel
 from .feet import stand_feet, swing_feet
@@ -68,10 +68,11 @@ def trot_tick(params: Params, walk: Trot, sensed: Sensed, speed: Twist, pose: Po
 @hot
 def forget(sensed: Sensed) -> None:
     """Take tilt and rates that go with nothing else as level and still."""
-    for axis in range(2):
-        sensed.tilt[axis] = 0
-    for axis in range(3):
-        sensed.turned[axis] = 0
+    sensed.tilt[ROLL] = 0
+    sensed.tilt[PITCH] = 0
+    sensed.turned.x = 0
+    sensed.turned.y = 0
+    sensed.turned.z = 0
 
 
 @hot

@@ -45,10 +45,10 @@ class Pair:
         sensing.roll_cosine_q13, sensing.pitch_cosine_q13 = cos_q15(roll) >> 2, cos_q15(pitch) >> 2
         sensing.pitch_sine_q13 = sin_q15(pitch) >> 2
         sensed.valid.turned = sensed.valid.tilt = int(turned is not None)
-        sensed.turned[:] = [round(angle * 2**18) for angle in turned or (0, 0, 0)]
+        unpack(sensed.turned, [round(angle * 2**18) for angle in turned or (0, 0, 0)])
         o.odometry_step(self.params, sensing, sensed, swinging, int(walks), self.core)
         at_m, off_m = ([(x * self.unit_m, y * self.unit_m) for x, y in each] for each in (feet, off))
-        gyro = None if turned is None else [value / 2**18 for value in sensed.turned]
+        gyro = None if turned is None else [value / 2**18 for value in pack(sensed.turned)]
         weights = [(force >> 6) / 64 for force in sensing.force_q12]
         self.twin.step(at_m, off_m, weights, swinging, gyro, (rad(roll), rad(pitch)), walks)
 

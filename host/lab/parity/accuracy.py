@@ -104,7 +104,7 @@ def _leg_data(params: Params, number: int) -> tuple[Vector, list[int], list[int]
     """Return link lengths in lu and the joint limits in brad of one leg's block."""
     base = params.legs[number]
     links = (float(abs(base.hip_length)), float(base.thigh_length), float(base.calf_length))
-    return links, list(base.lowest), list(base.highest)
+    return links, pack(base.lowest), pack(base.highest)
 
 
 def _rads(angles: list[int]) -> Vector:

@@ -56,7 +56,8 @@ class Pair:
         """speed: m/s, m/s, rad/s; tilt: brad; turned: 2^-18 rad; pose: lu, brad."""
         scale, sensed = self.scale, self.sensed
         told = [scale.lf_per_tick(speed[0]), scale.lf_per_tick(speed[1]), scale.yaw18_per_tick(speed[2])]
-        sensed.joints[:], sensed.tilt[:], sensed.turned[:] = self.plant.joints_brad(), tilt, turned
+        sensed.joints[:], sensed.tilt[:] = self.plant.joints_brad(), tilt
+        unpack(sensed.turned, turned)
         sensed.valid.joints, sensed.valid.tilt, sensed.valid.turned = int(known), 1, 1
         went = [told[0] * 15 >> 4, told[1] * 15 >> 4]  # always a bit too slow
         unpack(self.odometry.speed, went)

@@ -39,4 +39,5 @@ PROBES = (
     ),
     Probe("plane_length", leg.plane_length, (ROBOT, LEG, ANY_FEET)),
     Probe("limit_legs", leg.limit_legs, (ROBOT, ANGLES, FLAGS), watch=(ANGLES.array, FLAGS), begin=_begin),
+    Probe("limit_leg", leg.limit_leg, (ROBOT, LEG, ANGLES), watch=(ANGLES.array,)),
 )

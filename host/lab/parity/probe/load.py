@@ -39,5 +39,6 @@ PROBES = (
         vectors=2,
     ),
     Probe("load_moments", load.load_moments, (FEET, WEIGHTS, PLANAR, BLOCK.array), watch=(BLOCK.array,)),
+    Probe("load_middle", load.load_middle, (FEET, WEIGHTS, BLOCK.array), watch=(BLOCK.array,)),
     Probe("load_slope", load.load_slope, (PLACE, PLACE, PLANAR, BLOCK.array), watch=(BLOCK.array,), fit=_drawn),
 )

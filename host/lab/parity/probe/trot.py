@@ -1,6 +1,6 @@
 """shared/trot: its parts in states that some ticks of anything bring about, for every robot and rate."""
 
-from shared.body.axes import POSE_AXES, Pose, Twist
+from shared.body.axes import POSE_AXES, Pose, Turn, Twist
 from shared.runtime import zeros
 from shared.sense.legs import MeasuredFeet, Sensing, sense_legs
 from shared.sense.odometry import Odometry
@@ -21,7 +21,7 @@ PLACE = Range(-32767, 32767)
 SPEED18 = Range(-(1 << 18), 1 << 18)
 SPEED = Block(Twist(), (3, SPEED18))
 POSE = Block(Pose(), (3, Range(-8191, 8191)), (3, BRAD))
-TURNED = Block(zeros(3), (3, INT30))
+TURNED = Block(Turn(), (3, INT30))
 TILT = Block(zeros(2), (2, BRAD))
 GOAL = zeros(12)
 SENSED = Sensed()
@@ -158,6 +158,7 @@ PROBES = (
     _probe("rise", steer, (ROBOT, WALK, POSE)),
     _probe("go_on", clock, (ROBOT, WALK, FLAG)),
     _probe("hurried_step", clock, (ROBOT, WALK), ()),
+    _probe("move_phase", clock, (ROBOT, WALK, FLAG), (WALK.state,)),
     _probe("stand_all", clock, (WALK,), fit=_done),
     _probe("react", react, (ROBOT, WALK, LEG), fit=_moving),
     _probe("held_up", react, (ROBOT, WALK, LEG), fit=_moving),

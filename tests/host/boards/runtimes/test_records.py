@@ -251,7 +251,7 @@ def test_what_is_sensed_goes_in_and_out_in_the_order_of_a_recording():
     sensed, integers = Sensed(), list(range(20))
     sensed.unpack(integers)
     assert sensed.pack() == integers
-    assert (sensed.tilt, sensed.joints, sensed.turned) == ([0, 1], integers[3:15], [16, 17, 18])
+    assert (sensed.tilt, sensed.joints, pack(sensed.turned)) == ([0, 1], integers[3:15], [16, 17, 18])
     assert (sensed.valid.tilt, sensed.valid.joints, sensed.valid.turned) == (2, 15, 19)
 
 
