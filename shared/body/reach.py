@@ -54,32 +54,23 @@ def reach_foot(params: Params, leg: int, feet: Feet, reached: Feet) -> int:
         z >>= 1
         flags = TOO_FAR
     far = limb.longest
-    ahead_sq = x * x
-    aside_sq = y * y
-    down_sq = z * z
-    quarter = (ahead_sq >> 2) + (aside_sq >> 2) + (down_sq >> 2)
+    quarter = (x * x >> 2) + (y * y >> 2) + (z * z >> 2)
     if flags or quarter > (far + 2) * (far + 2) >> 2:
         flags = TOO_FAR
         distance = 2 * isqrt(quarter) + 1
         x = scale_down(x, far, distance)
         y = scale_down(y, far, distance)
         z = scale_down(z, far, distance)
-        ahead_sq = x * x
-        aside_sq = y * y
-        down_sq = z * z
     foot.x = x
     foot.y = y
     foot.z = z
     radius = limb.hip_length
     if radius < 0:
         radius = -radius
-    if radius > 1 and aside_sq + down_sq < (radius - 1) * (radius - 1):
+    if radius > 1 and y * y + z * z < (radius - 1) * (radius - 1):
         flags |= leave_hip(params, leg, radius, reached)
-        ahead_sq = foot.x * foot.x
-        aside_sq = foot.y * foot.y
-        down_sq = foot.z * foot.z
     near = limb.shortest
-    if near > 2 and ahead_sq + aside_sq + down_sq < (near - 2) * (near - 2):
+    if near > 2 and foot.x * foot.x + foot.y * foot.y + foot.z * foot.z < (near - 2) * (near - 2):
         flags |= leave_centre(near, leg, reached)
     return flags
 
