@@ -198,9 +198,14 @@ def highest_lift_m(robot: Robot) -> tuple[float, str]:
 def high_speed_m_s(robot: Robot) -> float:
     """Return the top speed while swings are high: less if the drives are too slow for them even on the spot."""
     figures = trot_figures(robot)
-    if max(_asked(robot, figures, 0.0, figures.own["high_lift"] * figures.leg_m)) <= SWING_ASKS:
+    if can_lift(robot, figures, 1.0):
         return figures.climbing_m_s
     return min(figures.climbing_m_s, LATE_FROUDE * sqrt(GRAVITY_M_S2 * figures.height_m))
+
+
+def can_lift(robot: Robot, figures: TrotFigures, pace: float) -> bool:
+    """Return whether the drives follow a high swing on the spot at ``pace`` times its usual pace."""
+    return pace * max(_asked(robot, figures, 0.0, figures.own["high_lift"] * figures.leg_m)) <= SWING_ASKS
 
 
 def _asked(robot: Robot, figures: TrotFigures, speed_m_s: float, lift_m: float) -> Vector:
@@ -239,6 +244,7 @@ def fill_trot(params: Params, robot: Robot) -> None:
     fine = unit << LF_BITS
     setup.phase_step_q20 = round(2**20 / f.cycle_s / rate)
     setup.hurried_step_q20 = round(2**20 * HURRY / f.cycle_s / rate)
+    setup.hurries_high = int(can_lift(robot, f, HURRY))
     setup.pushed_speed = round(PUSHED_FROUDE * sqrt(GRAVITY_M_S2 * f.height_m) / rate * fine)
     setup.stance_q20 = round(2**20 * f.own["stance_share"])
     landing_q20 = round(2**20 * LANDING_SHARE) + params.sent_ticks * setup.phase_step_q20

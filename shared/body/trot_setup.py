@@ -13,6 +13,7 @@ class TrotSetup:
     phase_step_q20: int = field("Q20 of a cycle / tick", "how fast the phase goes on, up to 2^17")
     hurried_step_q20: int = field("Q20 of a cycle / tick", "the same of one that is pushed, in swings, up to 2^18")
     pushed_speed: int = field("lf / tick", "more than this faster than told: pushed")
+    hurries_high: int = field("", "1: the drives follow high swings at that pace, too")
     stance_q20: int = field("Q20 of a cycle", "share of a cycle in which a foot stands, 1/2 .. 3/4")
     landing_q20: int = field("Q20 of a cycle", "after touchdown, in which the joints still tell of a landing")
     swing_rate_q13: int = field("Q13", "cycles in a swing's length: 1 / (1 - share)")

@@ -2,7 +2,7 @@
 
 One that is pushed steps sooner: a body that tips falls the faster the longer it falls, and while it waits for the feet
 in the air to come down in their usual time they strike the ground, and it goes over them. So swings go on faster, and
-feet that have just begun to swing come down again at once. What comes down an edge with high swings is not pushed.
+feet that have just begun to swing come down again at once; not with high swings, which an edge needs.
 """
 
 from ..body.params import LEGS, Params

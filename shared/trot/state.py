@@ -28,7 +28,7 @@ class TrotState:
     roll_18: int = field("2^-18 rad / tick", "turn about x, which levels it")
     pitch_18: int = field("2^-18 rad / tick", "turn about y")
     rise: int = field("lf / tick", "of the body")
-    pushed: int = field("", "1: since this tick the body goes faster than told, as walking does not; 2: for longer")
+    pushed: int = field("", "1: from this tick on faster than told, as walking is not; 2: for longer, or at an edge")
     capture: Spot = part(Spot, "foothold further on for a speed that is too much, lu")
     roll_q14: int = field("rad Q14", "tilt when this tick's goals act")
     pitch_q14: int = field("rad Q14", "the same about y")

@@ -64,8 +64,9 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Turn, pose: Pose) ->
 def feel_push(params: Params, walk: Trot) -> None:
     """Write whether the body goes faster than told, by more than walking does, since it was pushed.
 
-    One that becomes so while swings are high comes down an edge. One that is held up by an edge is slower than told; so
-    a push against the way is none before it has turned the body round.
+    One that becomes so while swings are high has been thrown by an edge, and counts as pushed if its drives can follow
+    such swings in a hurry. One that is held up by an edge is slower than told; so a push against the way is none before
+    it has turned the body round.
     """
     state = walk.state
     most = params.trot.pushed_speed
@@ -73,7 +74,7 @@ def feel_push(params: Params, walk: Trot) -> None:
     state.pushed = 0
     if overspeed(state.seen.x, state.foot_speed.x) <= most and overspeed(state.seen.y, state.foot_speed.y) <= most:
         return
-    if before:
+    if before or (state.high_left and params.trot.hurries_high):
         state.pushed = 2
     elif state.high_left == 0:
         state.pushed = 1

@@ -73,6 +73,7 @@ class FloatTrot:
         self.seen, self.drift, self.foot_speed = [0.0] * 2, [0.0] * 2, [0.0] * 2
         self.heading = self.high_left = self.u = 0.0
         self.pushed = False
+        self.hurries_high = tuning.can_lift(robot, figures, tuning.HURRY)
         self.load, self.stands, self.met = [0.0] * 4, [1] * 4, [0] * 4
         self.low, self.high = tuning.LOW_LIFT * self.leg_m, tuning.HIGH_LIFT * self.leg_m
         self.highest = tuning.HIGHEST_LIFT * self.leg_m
@@ -192,7 +193,8 @@ class FloatTrot:
             self.drive[i] = foot + self.drift[i]
             self.pushed |= abs(self.seen[i]) - abs(foot) > tuning.PUSHED_FROUDE * math.sqrt(G * self.h)
             self.capture[i] = limit((self.seen[i] - foot) * self.f.capture_s, self.f.capture_most_m)
-        self.pushed &= bool(self.was_pushed or not self.high_left)
+        self.pushed &= bool(self.was_pushed or not self.high_left or self.hurries_high)
+        self.skips = self.pushed and not self.was_pushed and not self.high_left
         if self.high_left:
             rest = sum(place[0] for place in self.f.rests_m) / 4 - pose[0]
             off = sum(foot[0] for foot in self.feet) / 4 - rest
@@ -241,7 +243,7 @@ class FloatTrot:
             return
         hurries = self.pushed and not all(self.stands)
         self.phase = (self.phase + (tuning.HURRY if hurries else 1.0) * self.dt / self.f.cycle_s) % 1.0
-        if hurries and not self.was_pushed:
+        if hurries and self.skips:
             self.phase += max(0.0, 1 - 2 * self.u) * (1 - tuning.STANCE_SHARE)
         for leg in range(4):
             part = (self.phase + 0.5 * LATER[leg]) % 1.0 - tuning.STANCE_SHARE

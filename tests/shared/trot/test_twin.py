@@ -206,6 +206,26 @@ def test_one_that_is_pushed_steps_sooner_in_both(ahead, rates, pushed):
     assert most < swing_q20 + setup.hurried_step_q20
 
 
+@pytest.mark.parametrize(("name", "hurries"), [
+    ("caramelo", False), ("spotmicro", False),  # servos: such swings alone ask more of them than they have
+    ("parallel", True), ("pupper", True), ("solo12", True), ("unitree-a1", True), ("mini-cheetah", True),
+])
+def test_high_swings_go_on_faster_where_the_drives_can_follow(name, hurries):
+    """Pushed while swings are high: none of them is cut short."""
+    for first in range(70, 82, 3):
+        pair, paces = Pair(name, 50), []
+        state, setup = pair.walk.state, pair.params.trot
+        for n in range(first + 20):
+            if n == first - 5:
+                state.high_left, pair.twin.high_left = setup.high_way, tuning.HIGH_LENGTHS * pair.twin.f.length_m
+            before, turned = state.phase_q20, (0, 12000, 0) if n >= first else (0, 0, 0)
+            pair.tick((0.1, 0.0, 0.0), (0, 0), turned, moving=n > 25)
+            paces.append(state.phase_q20 - before & CYCLE_Q20 - 1)
+            assert pair.twin.pushed == (state.pushed > 0)
+        assert set(paces[26:first]) == {setup.phase_step_q20}
+        assert set(paces[first:]) == {setup.phase_step_q20, *([setup.hurried_step_q20] if hurries else [])}
+
+
 def test_the_top_of_a_swing_is_skipped_to_where_the_foot_is_as_high():
     """Over all shares of a swing and the lengths that it may have."""
     pair = Pair("caramelo", 50)
