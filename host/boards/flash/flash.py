@@ -21,6 +21,8 @@ from .link import BoardError, BoardLink
 
 SETTLE_S = 6.0  # to wait for the board's message that it started; messages before USB is open are lost (chosen)
 GRACE_S = 1.0  # within this time an application that can't run fails (chosen)
+PROMPT = b"\n>>> "  # MicroPython's: nothing of the firmware runs any more
+DECIDED = (PROMPT,)  # what a board says when it is clear already how its start went
 ANSWER_TRIES = TRIAL_STARTS + 3
 MOTOR_OFF_MV = 5500  # USB alone may lift a board's supply to 5 V (assumed); motors run from 12 V up
 
@@ -162,7 +164,6 @@ def _running(link: BoardLink, target: int) -> tuple[Board, Report]:
             break
         link.reset()  # interrupted or failed: it starts again, three times at most
     why = _last_line(link)
-    _leave_running(link)
     if report is None:
         raise BoardError(f"{link.port}: the board did not come back after its reset: plug it in again")
     raise BoardError(
@@ -176,12 +177,13 @@ def _started(link: BoardLink) -> Board:
     link.wait_until_back()
     heard = bytearray()
 
-    def started(data: bytes) -> bool:
+    def decided(data: bytes = b"") -> bool:
         heard.extend(data)
-        return STARTED.encode() in heard
+        return any(words in heard for words in DECIDED)
 
-    link.listen(SETTLE_S, started)
-    link.listen(GRACE_S)
+    link.listen(SETTLE_S, lambda data: decided(data) or STARTED.encode() in heard)
+    if not decided():
+        link.listen(GRACE_S, decided)
     link.interrupt()
     return Board(link)
 

@@ -1,10 +1,12 @@
-"""Pretend boards need the unix VM and mpremote; flashing them need not wait as for real ones."""
+"""Pretend boards need the unix VM and mpremote; flashing them need not wait as for real ones, which say less."""
 
 import pytest
 
 from host.boards.flash import flash as flashing
 from host.boards.runtimes.unix import Unix
 from tests.marks import skip_without
+
+from .trees import IN_ITS_LOOP
 
 
 @pytest.fixture(autouse=True)
@@ -15,3 +17,4 @@ def quick_boards(request, monkeypatch):
     pytest.importorskip("mpremote")
     monkeypatch.setattr(flashing, "SETTLE_S", 1.5)
     monkeypatch.setattr(flashing, "GRACE_S", 0.6)
+    monkeypatch.setattr(flashing, "DECIDED", (*flashing.DECIDED, IN_ITS_LOOP))

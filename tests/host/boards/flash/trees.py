@@ -29,9 +29,11 @@ def start(journal, update):
 
     print("running", VERSION)
     {body}
+    print("in its loop")
     while True:
         time.sleep_ms(5)
 '''
+IN_ITS_LOOP = b"in its loop"  # said when nothing is left in which it could fail
 RUNTIME = ("firmware.startup", "firmware.main", "shared.runtime")
 
 # What the pretend board's own harness needs, and no more: MicroPython without our firmware.
