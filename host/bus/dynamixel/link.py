@@ -19,6 +19,7 @@ from ...robot.model import Robot
 from ...util.errors import NOT_ACHIEVED, UserError
 from ..base import Counters
 from .port import ServoPort
+from .roll_call import call_roll
 from .table import (
     ALERT,
     HARDWARE_ERROR,
@@ -78,10 +79,11 @@ class Link:
     def ping_all(self) -> dict[int, int]:
         """Return the model numbers of all servos that answer a broadcast ping, by id; protocol 2.0 only.
 
-        One lost byte hides all later answers, and two servos with the same id may look like one.
+        A damaged answer is missing, and two servos with the same id may look like one.
         """
-        found, _ = self._guard(self.packets.broadcastPing, self.port)
-        return {int(servo): int(model) for servo, (model, _) in found.items()}
+        with self.patient(PATIENCE_MS):
+            found: dict[int, int] = self._guard(call_roll, self.port, self.packets)
+        return found
 
     def read(self, servo: int, register: Register) -> int:
         """Return a register, or raise ServoError after a few tries."""

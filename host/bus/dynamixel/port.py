@@ -91,6 +91,16 @@ class ServoPort(PortHandler):  # type: ignore[misc]
         self.setPacketTimeoutMillis(self.tx_time_per_byte * packet_length + self.patience_ms)
         self._expected, self._late = packet_length, None
 
+    def allow(self, length: int, more_ms: float, most: int) -> None:
+        """Allow ``length`` bytes their time on the wire, plus ``more_ms`` and the patience; take ``most`` at most."""
+        self.setPacketTimeout(length)
+        self.packet_timeout += more_ms
+        self._expected = most
+
+    def allow_more(self, length: int) -> None:
+        """Allow so many further bytes their time on the wire."""
+        self.packet_timeout += self.tx_time_per_byte * length
+
     def getCurrentTime(self) -> float:
         """Return the time in ms, which never jumps, unlike the SDK's wall clock."""
         return time.monotonic() * 1000

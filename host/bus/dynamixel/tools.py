@@ -1,13 +1,13 @@
 """The work of `caramelo servos` on single servos: find them, number them, set their rate, read their status."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from typing import Any
 
 from ...util.errors import UserError
 from ..base import JOINTS
 from . import table as t
-from .link import Link, ServoError
+from .link import PING_PATIENCE_MS, Link, ServoError
 
 BROADCAST_FIRST, BROADCAST_LAST = 0, 252
 AGAIN_MS = 20.0  # 241 absent ids then take five seconds (chosen)
@@ -32,31 +32,34 @@ class Found:
 def find(link: Link, progress: Callable[[float], None] = lambda done: None) -> list[Found]:
     """Return all servos that answer at the port's present rate, by id.
 
-    Each id is asked separately, twice: in the answers to a broadcast, one lost byte hides all later ones. If fewer than
-    a robot has answer, the other ids are asked once more, with more patience.
+    All are asked together, then each id separately that has not answered. If fewer than a robot has answer, they are
+    asked once more.
     """
-    found, baud = dict[int, Found](), link.port.getBaudRate()
-    for again in (False, True):
-        for number in range(BROADCAST_FIRST, BROADCAST_LAST + 1):
-            if number not in found:
-                model = link.ping(number, 1, AGAIN_MS) if again else link.ping(number, tries=2)
-                if model is not None:
-                    found[number] = Found(number, baud, model, link.protocol)
-            progress((number + 1) / (BROADCAST_LAST + 1))
-        if not 0 < len(found) < JOINTS:
-            break
-    return [found[number] for number in sorted(found)]
+    models = ping_all(link)
+    models |= _ask_each(link, models, PING_PATIENCE_MS, progress)
+    if 0 < len(models) < JOINTS:
+        models |= _ask_each(link, models, AGAIN_MS, progress) if link.protocol == 1.0 else ping_all(link)
+    return [Found(number, link.port.getBaudRate(), models[number], link.protocol) for number in sorted(models)]
 
 
 def ping_all(link: Link) -> dict[int, int]:
-    """Return the models of the servos that answer, by id; quicker than ``find``, but reliable only for a few servos.
+    """Return the models of the servos that answer, by id; quicker than ``find``, but asks only once.
 
-Protocol 1.0 has no broadcast ping: there each id is asked separately.
+    Protocol 1.0 has no broadcast ping: there each id is asked separately.
     """
-    if link.protocol == 1.0:
-        models = {number: link.ping(number, tries=1) for number in range(BROADCAST_FIRST, BROADCAST_LAST + 1)}
-        return {number: model for number, model in models.items() if model is not None}
-    return link.ping_all()
+    return _ask_each(link, (), PING_PATIENCE_MS) if link.protocol == 1.0 else link.ping_all()
+
+
+def _ask_each(link: Link, known: Collection[int], patience_ms: float,
+              progress: Callable[[float], None] = lambda done: None) -> dict[int, int]:
+    """Return the models of servos other than the known ones, which are asked one by one."""
+    found = dict[int, int]()
+    for number in range(BROADCAST_FIRST, BROADCAST_LAST + 1):
+        model = None if number in known else link.ping(number, 1, patience_ms)
+        if model is not None:
+            found[number] = model
+        progress((number + 1) / (BROADCAST_LAST + 1))
+    return found
 
 
 def find_at_all_rates(link: Link, progress: Callable[[float], None] = lambda done: None) -> Iterator[Found]:

@@ -183,15 +183,19 @@ def serve(bus: EmulatedBus, commands: Commands, latency_s: float) -> None:
     tell({"port": os.ttyname(theirs)})
     began = time.monotonic()
     orders = b""
+    coming: list[tuple[float, bytes]] = []  # answers that wait for their turn, and when that is
     while True:
         ready, _, _ = select.select([ours, 0], [], [], TICK_S)
         now_s = time.monotonic() - began
         bus.advance(now_s)
         if ours in ready:
             answers = bus.receive(os.read(ours, CHUNK), now_s, baud_of(theirs))
-            if answers:
-                time.sleep(latency_s)
-                os.write(ours, b"".join(answers))
+            coming = [(now_s + delay_s, answer) for delay_s, answer in zip(bus.delays_s(answers), answers, strict=True)]
+            time.sleep(latency_s if answers else 0.0)
+        due = b"".join(answer for at_s, answer in coming if at_s <= now_s)
+        if due:
+            os.write(ours, due)
+            coming = [(at_s, answer) for at_s, answer in coming if at_s > now_s]
         if 0 in ready:
             data = os.read(0, CHUNK)
             if not data:

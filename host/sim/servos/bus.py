@@ -11,6 +11,7 @@ from . import packets as p
 from .servo import EmulatedServo
 
 GAP_S = 0.005  # silence after which a half packet is given up
+TURN_S = 0.003  # in which a silent id could answer a broadcast ping (host/bus/dynamixel/roll_call.py)
 
 
 @dataclass
@@ -66,6 +67,7 @@ class EmulatedBus:
         self._buffer = bytearray()
         self._last_s = 0.0
         self.intact_answers = 0
+        self._called = False
 
     def servo(self, number: int) -> EmulatedServo:
         """Return the servo with an id; KeyError if there is none."""
@@ -99,6 +101,12 @@ class EmulatedBus:
         self.intact_answers += sum(was == now for was, now in zip(answers, carried, strict=True))
         return [answer for answer in carried if answer]
 
+    def delays_s(self, answers: list[bytes]) -> list[float]:
+        """Return how long after a request its answers come: at once, or after the turns of ids that stay silent."""
+        if not self._called or self.protocol == 1.0:
+            return [0.0] * len(answers)
+        return [TURN_S * max(0, answer[4] - before) for before, answer in enumerate(answers)]
+
     def _answers(self, instruction: p.Instruction, now_s: float, baud: int) -> list[bytes]:
         listening = [s for s in self.servos if not s.missing and t.BAUDS[s.get(t.BAUD)] == baud]
         if not instruction.intact:
@@ -109,6 +117,9 @@ class EmulatedBus:
         for servo in listening:
             servo.heard_s = now_s
         asked = self._asked(instruction, listening)
+        self._called = instruction.servo == p.BROADCAST and instruction.code == p.PING
+        if self._called:
+            return self._call(instruction, listening)
         answers: list[bytes] = []
         for number, address, size in asked:
             answers += self._collide([self._read(s, address, size) for s in listening if s.id == number])
@@ -119,9 +130,14 @@ class EmulatedBus:
             return []
         addressed = [s for s in listening if instruction.servo in (s.id, p.BROADCAST)]
         replies = [self._single(s, instruction) for s in addressed]
-        if instruction.servo == p.BROADCAST:
-            return replies if instruction.code == p.PING else []
-        return self._collide(replies)
+        return [] if instruction.servo == p.BROADCAST else self._collide(replies)
+
+    def _call(self, ping: p.Instruction, listening: list[EmulatedServo]) -> list[bytes]:
+        """Return the answers to a broadcast ping in the order of the ids; those of one id come at once."""
+        answers: list[bytes] = []
+        for number in sorted({servo.id for servo in listening}):
+            answers += self._collide([self._single(servo, ping) for servo in listening if servo.id == number])
+        return answers
 
     def _asked(self, instruction: p.Instruction, listening: list[EmulatedServo]) -> list[tuple[int, int, int]]:
         """Return (id, address, size) of every answer that a reading instruction asks for."""

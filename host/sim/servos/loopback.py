@@ -59,6 +59,12 @@ class LoopbackPort:
     def setPacketTimeoutMillis(self, msec: float) -> None:
         """Answers are there at once or never."""
 
+    def allow(self, length: int, more_ms: float, most: int) -> None:
+        """Answers are there at once or never."""
+
+    def allow_more(self, length: int) -> None:
+        """Answers are there at once or never."""
+
     def isPacketTimeout(self) -> bool:
         """True once all that came has been taken."""
         return not self._waiting

@@ -5,6 +5,7 @@ from dynamixel_sdk import COMM_SUCCESS, PacketHandler
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+from host.bus.dynamixel.roll_call import ANSWER, IDS, answers_in, call_roll
 from host.bus.dynamixel.unstuff import packet_handler
 from host.sim.servos.packets import READ, WRITE, Framing1, Framing2, Instruction, crc16, framing
 
@@ -102,3 +103,50 @@ def test_no_damaged_packet_passes(packet, at, flip):
 
 def test_crc_of_nothing():
     assert crc16(b"") == 0
+
+
+@st.composite
+def roll_calls(draw):
+    """Answers to a broadcast ping, whole, cut or damaged, and noise between them that may look like a header."""
+    noise = st.lists(st.sampled_from([0, 0x55, 0xFD, 0xFF]), max_size=6).map(bytes)
+    pieces = []
+    for servo in draw(st.lists(st.integers(0, 252), max_size=6)):
+        answer = Framing2().status(servo, draw(st.sampled_from([0, 0x80])), draw(st.binary(min_size=3, max_size=3)))
+        damaged = bytearray(answer)
+        damaged[draw(st.integers(0, len(answer) - 1))] ^= draw(st.integers(1, 255))
+        cut = answer[: draw(st.integers(0, len(answer)))] + answer[draw(st.integers(0, len(answer))) :]
+        pieces += [draw(st.sampled_from([answer, answer, bytes(damaged), cut])), draw(noise)]
+    return draw(noise) + b"".join(pieces)
+
+
+class Paced(Wire):
+    """The same with the time limits of a roll call, which end when all has been taken."""
+
+    def getBaudRate(self):
+        return 57600
+
+    def setPacketTimeoutMillis(self, msec):
+        pass
+
+    def allow(self, length, more_ms, most):
+        assert (length, more_ms, most) == (10 + ANSWER, 3.0 * IDS, IDS * ANSWER)
+
+    def allow_more(self, length):
+        pass
+
+
+@given(data=roll_calls())
+@settings(max_examples=300, deadline=None)
+def test_a_roll_call_asks_as_the_sdk_does_and_takes_the_same_answers(data):
+    handler, ours, theirs = packet_handler(2.0), Paced(data), Paced(data)
+    wanted, _ = handler.broadcastPing(theirs)
+    assert call_roll(ours, handler) == {servo: model for servo, (model, _) in wanted.items()}
+    assert ours.sent == theirs.sent
+    assert not ours.is_using
+
+
+def test_a_lost_byte_hides_one_answer_only():
+    answers = [Framing2().status(servo, 0, bytes([30, 0, 45])) for servo in range(1, 13)]
+    for at in range(ANSWER):
+        line = b"".join(answers[:3]) + answers[3][:at] + answers[3][at + 1 :] + b"".join(answers[4:])
+        assert sorted(answers_in(line, packet_handler(2.0).updateCRC)) == [1, 2, 3, *range(5, 13)]

@@ -13,6 +13,7 @@ from contextlib import contextmanager
 import pytest
 import serial
 
+from host.bus.dynamixel import link as link_module
 from host.bus.dynamixel import table as t
 from host.bus.dynamixel import tools
 from host.bus.dynamixel.bus import ServoBus
@@ -306,7 +307,7 @@ STRANGER = framing(2.0).status(200, 0, bytes(10))
     [b"\0", b"\xff", b"\xff\xff\xfd\0", bytes(range(256)), STRANGER],
     ids=["zeros", "ones", "headers", "counting", "a stranger's packets"],
 )
-@pytest.mark.parametrize("what", ["all", "one"])
+@pytest.mark.parametrize("what", ["all", "one", "roll call"])
 def test_bytes_that_keep_coming_do_not_keep_a_read_from_its_end(pattern, what):
     port = SlowClock(pattern)
     link = Link(port)
@@ -316,6 +317,8 @@ def test_bytes_that_keep_coming_do_not_keep_a_read_from_its_end(pattern, what):
     def read():
         if what == "all":
             ended.append(link.read_all(ids, t.FAST_BLOCK))
+        elif what == "roll call":
+            ended.append(link.ping_all())
         else:
             ended.append(link.ping(1, tries=1))
 
@@ -323,5 +326,62 @@ def test_bytes_that_keep_coming_do_not_keep_a_read_from_its_end(pattern, what):
     reading.start()
     reading.join(PATIENCE_S)
     assert ended in ([{}], [None])
-    most_ms = port.tx_time_per_byte * 12 * 21 + PATIENCE_MS if what == "all" else PING_PATIENCE_MS + 1
-    assert port.now_ms < most_ms + 1.0
+    all_ms, roll_ms = 12 * 21 * port.tx_time_per_byte + PATIENCE_MS, 3.0 * 253 + 14 * 253 * port.tx_time_per_byte
+    most_ms = {"all": all_ms, "one": PING_PATIENCE_MS + 1, "roll call": roll_ms + link_module.PATIENCE_MS}
+    assert port.now_ms < most_ms[what] + 1.0
+
+
+class Turns:
+    """A serial device, and the clock of its port, on which servos answer a broadcast ping in their turns."""
+
+    def __init__(self, port, servos):
+        self.port, self.now_ms, self.coming = port, 0.0, b""
+        byte_ms = port.tx_time_per_byte
+        self.due = []
+        for before, servo in enumerate(servos):
+            at_ms = (10 + 14 * (before + 1)) * byte_ms + 3.0 * (servo - before) + 0.5
+            self.due.append((at_ms, framing(2.0).status(servo, 0, bytes([30, 0, 45]))))
+
+    def select(self, reading, writing, failing, left_s):
+        """Sleep until an answer is there, or so long."""
+        self.now_ms = min([self.now_ms + 1000 * left_s + 0.01, *[at_ms for at_ms, _ in self.due]])
+
+    @property
+    def in_waiting(self):
+        while self.due and self.due[0][0] <= self.now_ms:
+            self.coming += self.due.pop(0)[1]
+        return len(self.coming)
+
+    def read(self, length):
+        data, self.coming = self.coming[:length], self.coming[length:]
+        return data
+
+    def write(self, data):
+        return len(data)
+
+    def fileno(self):
+        return -1
+
+    def reset_input_buffer(self):
+        self.coming = b""
+
+
+@pytest.mark.parametrize("servos", [[], [252], list(range(1, 13)), list(range(253))], ids=["0", "last", "robot", "all"])
+@pytest.mark.parametrize("baud", t.BAUDS)
+def test_a_roll_call_waits_for_every_turn_and_no_longer(monkeypatch, baud, servos):
+    port = ServoPort("turns", baud)
+    port.tx_time_per_byte = 10_000.0 / baud
+    port.ser = line = Turns(port, servos)
+    monkeypatch.setattr(port, "getCurrentTime", lambda: line.now_ms)
+    monkeypatch.setattr("host.bus.dynamixel.port.select.select", line.select)
+    assert Link(port).ping_all() == dict.fromkeys(servos, 30)
+    assert line.now_ms < (24 + 14 * len(servos)) * port.tx_time_per_byte + 3.0 * 253 + link_module.PATIENCE_MS + 1.0
+
+
+def test_the_emulated_servos_answer_in_their_turns(emulator):
+    port = ServoPort(emulator.port, BAUD)
+    port.open()
+    link = Link(port)
+    tools.set_id(link, 3, 252)
+    wait_until(lambda: sorted(link.ping_all()) == [1, 2, *range(4, 13), 252], "all are heard, though one comes last")
+    port.closePort()
