@@ -20,7 +20,7 @@ from .peer import may_open_sockets
 from .server import Server
 from .trouble import Trouble
 
-COUNTS_S = 1.0
+COUNTS_S = 1.0  # between two reports to the loop, unless the set-up says otherwise
 
 
 async def serve(link: Link, setup: dict[str, Any]) -> None:
@@ -44,7 +44,8 @@ async def serve(link: Link, setup: dict[str, Any]) -> None:
         return
     server.door.open()
     link.send({"type": "web", "listens": True})
-    counting = asyncio.create_task(_count(server, trouble, paired, link))
+    every_s = setup.get("counts_s", COUNTS_S)
+    counting = asyncio.create_task(_count(server, trouble, paired, link, every_s))
     while (news := await link.receive()) is not None:
         if "joints_rad" in news and server.pages:
             roll_rad, pitch_rad = news["attitude_rad"] or (0.0, 0.0)
@@ -55,10 +56,10 @@ async def serve(link: Link, setup: dict[str, Any]) -> None:
     await runner.cleanup()
 
 
-async def _count(server: Server, trouble: Trouble, paired: Paired, link: Link) -> None:
-    """Report to the loop once a second how many pages there are, what was refused and what went wrong."""
+async def _count(server: Server, trouble: Trouble, paired: Paired, link: Link, every_s: float) -> None:
+    """Report to the loop again and again how many pages there are, what was refused and what went wrong."""
     while True:
-        await asyncio.sleep(COUNTS_S)
+        await asyncio.sleep(every_s)
         await server.hang_up_revoked()
         turned_away = 0 if server.door is None else server.door.turned_away
         counts = {"malformed": server.malformed + trouble.malformed, "limited": server.limited}

@@ -16,7 +16,7 @@ from tests.waiting import PATIENCE_S, wait_until
 
 CODE = "314159"
 TURN_S = 0.02
-SETUP = {"robot": "caramelo", "code": CODE, "about": {"robot": "caramelo"}}
+SETUP = {"robot": "caramelo", "code": CODE, "about": {"robot": "caramelo"}, "counts_s": 0.05}
 
 
 class Side:
@@ -127,7 +127,7 @@ def test_a_page_that_is_back_in_time_is_forgiven(side):
     while side.time_s < ends_s:
         heard_s = side.web._heard_s
         side.until(lambda heard_s=heard_s: side.web._heard_s > heard_s)
-        side.time_s += SILENT_S - 2.0  # it speaks once a second
+        side.time_s += SILENT_S - 2.0  # it speaks sooner
     assert side.web.starts == starts
     assert side.rig.supervisor.safety.first is None
 

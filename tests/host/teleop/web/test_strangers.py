@@ -24,7 +24,7 @@ from tests.waiting import wait_until
 
 NOBODY = 65534
 CODE = "314159"
-SETUP = {"robot": "caramelo", "code": CODE, "about": {"robot": "caramelo"}}
+SETUP = {"robot": "caramelo", "code": CODE, "about": {"robot": "caramelo"}, "counts_s": 0.05}
 PATIENCE_S = 60
 
 
