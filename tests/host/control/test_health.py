@@ -92,7 +92,14 @@ def test_a_simulated_robot(run):
     assert all(line["verdict"] == "ok" for line in steady), steady
 
 
-def test_a_drive_that_runs(run, tmp_path):
+@pytest.fixture
+def briefly(monkeypatch):
+    """Return the options to look for less than two seconds: at a drive whose sensor has found out where up is."""
+    monkeypatch.setattr("host.commands.health.LOOK_S", 0.1)
+    return "--seconds", "0.1"
+
+
+def test_a_drive_that_runs(run, tmp_path, briefly):
     with Teleop(tmp_path) as teleop:
         code, out, _ = run("health", "--socket", str(tmp_path / "teleop.sock"), "--json")
         value = json.loads(out)
@@ -101,15 +108,15 @@ def test_a_drive_that_runs(run, tmp_path):
         assert code == (0 if value["ok"] else 1)
         teleop.say(type="stop")
         teleop.wait(lambda status: status["stop"])
-        _, out, _ = run("health", "--socket", str(tmp_path / "teleop.sock"))
+        _, out, _ = run("health", "--socket", str(tmp_path / "teleop.sock"), *briefly)
         assert "emergency stop by script" in out
         assert len(out.splitlines()) == len(LINES)
 
 
-def test_without_a_drive_the_services_socket_is_looked_for(run, tmp_path, monkeypatch):
+def test_without_a_drive_the_services_socket_is_looked_for(run, tmp_path, monkeypatch, briefly):
     with Teleop(tmp_path):
         monkeypatch.setattr(look, "SERVICE", str(tmp_path / "teleop.sock"))
-        _, out, _ = run("health", "--json")
+        _, out, _ = run("health", "--json", *briefly)
         assert json.loads(out)["source"] == str(tmp_path / "teleop.sock")
 
 
