@@ -34,6 +34,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]
         self.ser: serial.Serial | None = None
         self.baudrate = baud
         self.patience_ms = patience_ms
+        self._sent = 0  # bytes of the last packet
         self._expected = 0  # bytes of the awaited answer
         self._late: int | None = None  # bytes to take although the time is over; None: it is not over
 
@@ -80,6 +81,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]
     def writePort(self, packet: list[int]) -> int:
         """Send a packet; return how many bytes went out, 0 if the adapter does not take them: the packet is lost."""
         assert self.ser is not None
+        self._sent = len(packet)
         try:
             return self.ser.write(bytes(packet)) or 0
         except serial.SerialTimeoutException:
@@ -87,12 +89,12 @@ class ServoPort(PortHandler):  # type: ignore[misc]
             return 0
 
     def setPacketTimeout(self, packet_length: int) -> None:
-        """Allow a packet its time on the wire, plus the patience."""
-        self.setPacketTimeoutMillis(self.tx_time_per_byte * packet_length + self.patience_ms)
+        """Allow an answer its time on the wire after that of what was sent, plus the patience."""
+        self.setPacketTimeoutMillis(self.tx_time_per_byte * (self._sent + packet_length) + self.patience_ms)
         self._expected, self._late = packet_length, None
 
     def allow(self, length: int, more_ms: float, most: int) -> None:
-        """Allow ``length`` bytes their time on the wire, plus ``more_ms`` and the patience; take ``most`` at most."""
+        """Allow an answer of ``length`` bytes its time as above, and ``more_ms``; take ``most`` bytes at most."""
         self.setPacketTimeout(length)
         self.packet_timeout += more_ms
         self._expected = most

@@ -19,7 +19,7 @@ ID, MODEL = 4, 9  # their places in it
 
 
 def call_roll(port: Any, packets: Any) -> dict[int, int]:
-    """Return the model numbers of all servos that answer, by id.."""
+    """Return the model numbers of all servos that answer, by id."""
     sent = packets.txPacket(port, list(PING))
     port.is_using = False
     return answers_in(_listen(port), packets.updateCRC) if sent == COMM_SUCCESS else {}
@@ -28,7 +28,7 @@ def call_roll(port: Any, packets: Any) -> dict[int, int]:
 def _listen(port: Any) -> bytes:
     """Return what comes until every id has had its turn; not more than all could say, if the line is never silent."""
     came, most = b"", IDS * ANSWER
-    port.allow(len(PING) + ANSWER, IDS * TURN_MS, most)
+    port.allow(ANSWER, IDS * TURN_MS, most)
     while len(came) < most:
         more = port.readPort(most - len(came))
         came += more

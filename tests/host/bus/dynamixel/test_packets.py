@@ -129,7 +129,7 @@ class Paced(Wire):
         pass
 
     def allow(self, length, more_ms, most):
-        assert (length, more_ms, most) == (10 + ANSWER, 3.0 * IDS, IDS * ANSWER)
+        assert (length, more_ms, most) == (ANSWER, 3.0 * IDS, IDS * ANSWER)
 
     def allow_more(self, length):
         pass

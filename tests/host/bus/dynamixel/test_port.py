@@ -378,6 +378,17 @@ def test_a_roll_call_waits_for_every_turn_and_no_longer(monkeypatch, baud, servo
     assert line.now_ms < (24 + 14 * len(servos)) * port.tx_time_per_byte + 3.0 * 253 + link_module.PATIENCE_MS + 1.0
 
 
+@pytest.mark.parametrize("baud", t.BAUDS)
+def test_a_single_servo_is_heard_at_every_rate(monkeypatch, baud):
+    """At 9600 baud the request alone takes 10 ms, longer than the patience of a ping."""
+    port = ServoPort("turns", baud)
+    port.tx_time_per_byte = 10_000.0 / baud
+    port.ser = line = Turns(port, [0])
+    monkeypatch.setattr(port, "getCurrentTime", lambda: line.now_ms)
+    monkeypatch.setattr("host.bus.dynamixel.port.select.select", line.select)
+    assert Link(port).ping(0, tries=1) == 30
+
+
 def test_the_emulated_servos_answer_in_their_turns(emulator):
     port = ServoPort(emulator.port, BAUD)
     port.open()
