@@ -10,6 +10,7 @@ from host.control.telemetry import Extra, status
 from host.teleop.terminal import screen_lines
 from shared.gait.table import MOVER_CRAWL
 from shared.planner import handover
+from shared.record import pack
 
 from .rig import AHEAD, KEYS, PAD, PAGE, RESET, REST, SCRIPT, SIT, STAND, STILL, STOP, Rig, Silence
 
@@ -185,7 +186,7 @@ def test_turning_speeds_reach_the_planner_where_there_are_any(rig, monkeypatch):
     rig.run(0.1)
     scale = rig.supervisor.driver.scale
     assert sensed.valid.turned == 1
-    assert list(sensed.turned) == [scale.yaw18_per_tick(rate) for rate in (0.1, 0.0, -0.2)]
+    assert pack(sensed.turned) == [scale.yaw18_per_tick(rate) for rate in (0.1, 0.0, -0.2)]
 
 
 def test_a_crawl_that_the_planner_chose_is_told_with_its_reason(rig):
