@@ -8,13 +8,7 @@ from collections.abc import Sequence
 
 from shared.record import pack
 from shared.runtime import zeros
-from shared.sense.attitude import (
-    ACCEL_REJECTED,
-    ALIGNING,
-    MOVED_WHILE_ALIGNING,
-    attitude_reset,
-    attitude_step,
-)
+from shared.sense.attitude import ACCEL_REJECTED, ALIGNING, attitude_reset, attitude_step
 
 from ..robot.model import Robot
 from ..robot.scale import attitude_block, rad
@@ -131,9 +125,7 @@ class Attitude:
 
     def _take(self, flags: int) -> None:
         self._aligned = bool(self.block.gathered >= self.block.align_ticks)
-        if flags & MOVED_WHILE_ALIGNING:
-            self.note = "hold the robot still: the gyro's bias is being measured"
-        elif flags & ACCEL_REJECTED and flags & ALIGNING:
+        if flags & ACCEL_REJECTED and flags & ALIGNING:
             self.note = "the accelerometer does not read 1 g at rest: check imu.accel_counts_per_g"
         else:
             self.note = "" if self._aligned else "measuring the gyro's bias: hold the robot still"
