@@ -100,7 +100,7 @@ def slide(params: Params, walk: Trot, leg: int, goal: Ints) -> None:
     given = 0
     ahead = 0
     for joint in range(3):
-        if params.coupled == 0 or joint < 2:
+        if params.coupled == 0 or joint < CALF:
             step = 0
             given = 0
             ahead = 0
