@@ -21,8 +21,9 @@ class Valid:
 class Sensed:
     """Attitude, joints and turning rates of one tick.
 
-    ``tilt``: roll and pitch, brad. ``joints``: 12 brad, as measured. ``turned``: how far the body turned in
-    this tick, without the gyroscope's bias. ``valid`` says which of them may be used.
+    ``tilt``: ROLL and PITCH, brad, a row like the joints, for both are believed alike (planner/goals.py).
+    ``joints``: 12 brad, as measured. ``turned``: how far the body turned in this tick, without the gyroscope's bias.
+    ``valid`` says which of them may be used.
     """
 
     def __init__(self) -> None:

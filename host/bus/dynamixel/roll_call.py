@@ -10,7 +10,7 @@ from typing import Any
 
 from dynamixel_sdk import BROADCAST_ID, COMM_SUCCESS, INST_PING
 
-IDS = 253
+IDS = 253  # 0 .. 252; 253 is reserved, 254 addresses all (e-manual, protocol 2.0, packet id)
 TURN_MS = 3.0
 HEADER = b"\xff\xff\xfd"
 PING = [*HEADER, 0, BROADCAST_ID, 3, 0, INST_PING, 0, 0]  # the SDK fills in the check sum

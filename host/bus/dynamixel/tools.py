@@ -8,8 +8,8 @@ from ...util.errors import UserError
 from ..base import JOINTS
 from . import table as t
 from .link import PING_PATIENCE_MS, Link, ServoError
+from .roll_call import IDS
 
-BROADCAST_FIRST, BROADCAST_LAST = 0, 252
 AGAIN_MS = 20.0  # 241 absent ids then take five seconds (chosen)
 
 
@@ -54,11 +54,11 @@ def _ask_each(link: Link, known: Collection[int], patience_ms: float,
               progress: Callable[[float], None] = lambda done: None) -> dict[int, int]:
     """Return the models of servos other than the known ones, which are asked one by one."""
     found = dict[int, int]()
-    for number in range(BROADCAST_FIRST, BROADCAST_LAST + 1):
+    for number in range(IDS):
         model = None if number in known else link.ping(number, 1, patience_ms)
         if model is not None:
             found[number] = model
-        progress((number + 1) / (BROADCAST_LAST + 1))
+        progress((number + 1) / IDS)
     return found
 
 
@@ -72,8 +72,8 @@ def find_at_all_rates(link: Link, progress: Callable[[float], None] = lambda don
 def set_id(link: Link, old: int, new: int) -> None:
     """Give a servo another id; ServoError if that id is taken: two servos would talk at once."""
     for number in (old, new):
-        if not 0 <= number <= BROADCAST_LAST:
-            raise UserError(f"id {number}: allowed 0 .. {BROADCAST_LAST}")
+        if not 0 <= number < IDS:
+            raise UserError(f"id {number}: allowed 0 .. {IDS - 1}")
     if old == new:
         raise UserError(f"id {new}: the servo has this id already")
     if link.ping_patiently(old) is None:
