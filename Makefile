@@ -13,15 +13,12 @@
 
 PYTHON ?= python3
 EXTRAS ?= sim,space,lab,web,record,foxglove,firmware,docs,test
-# As many as there are cores: with more, emulated servos come too late for the bus.
+# Of each of the two runs of tests, as many as there are cores: with more, emulated servos come too late for the bus.
 JOBS ?= $(shell getconf _NPROCESSORS_ONLN)
 COMPILE ?= --compile
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --disable-pip-version-check
 comma := ,
-# Tests of the core's sources and of what is built of them; all others only use the core, and run on the compiled one.
-# The folder whose tests take longest comes first, so that none of them is left over for one core at the end.
-OF_SOURCES := tests/host/boards tests/firmware tests/shared
 STAMP := .venv/.setup-$(subst $(comma),-,$(EXTRAS))
 
 .PHONY: setup setup-pi demo test check renew docs core wheel lock pi-wheels clean
@@ -56,17 +53,8 @@ test check: export PYTHONDONTWRITEBYTECODE =
 # As the command has it (host/__main__.py).
 test check: export OPENBLAS_NUM_THREADS = 1
 
-# All run even when one fails, so that one call shows everything; mypy runs beside the tests and is shown last.
 test: setup
-	@failed=; said=$$(mktemp); \
-	$(BIN)/mypy >$$said 2>&1 & mypy=$$!; \
-	$(BIN)/ruff check . || failed="$$failed ruff"; \
-	core=$$($(BIN)/python -m tests.core) || failed="$$failed core"; \
-	CARAMELO_CORE=source $(BIN)/pytest -n $(JOBS) --dist worksteal $(OF_SOURCES) || failed="$$failed sources"; \
-	CARAMELO_CORE=$$core $(BIN)/pytest -n $(JOBS) --dist worksteal $(OF_SOURCES:%=--ignore=%) || failed="$$failed others"; \
-	wait $$mypy || failed="$$failed mypy"; \
-	cat $$said; rm -f $$said; \
-	if [ -n "$$failed" ]; then echo "make test: failed:$$failed" >&2; exit 1; fi
+	@$(PYTHON) .ci/test.py $(BIN) $(JOBS)
 
 check: setup
 	$(BIN)/ruff check .

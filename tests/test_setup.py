@@ -4,6 +4,7 @@ import os
 import re
 import runpy
 import subprocess
+import sys
 import tomllib
 from importlib.metadata import PackageNotFoundError, requires
 from pathlib import Path
@@ -13,6 +14,7 @@ from packaging.requirements import Requirement
 from packaging.utils import canonicalize_name
 
 from tests import ROOT
+from tests.waiting import PATIENCE_S, wait_until
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 LOCK = (ROOT / "constraints.txt").read_text()
@@ -178,6 +180,20 @@ def test_the_tests_of_the_sources_run_from_them_and_all_others_by_the_compiled_c
     assert not [word for word in others.split() if word.startswith("tests/")], "all the rest"
     assert all((ROOT / path).exists() for path in ignored)
     assert f"make test: failed: {'sources' if fails_in == 'source' else 'others'}\n" in done.stderr
+
+
+def test_make_test_ended_half_way_leaves_nothing_running(tmp_path):
+    runs = tmp_path / "runs"
+    runs.mkdir()
+    fake_tools(tmp_path, ruff=0, mypy=0, pytest=0, python=0)
+    (tmp_path / "pytest").write_text(f"#!/bin/sh\n: >{runs}/$$\nexec sleep 600\n")
+    with subprocess.Popen([sys.executable, ROOT / ".ci/test.py", tmp_path, "2"], stdout=subprocess.DEVNULL) as running:
+        wait_until(lambda: len(list(runs.iterdir())) == 2, "both runs of tests go on")
+        running.terminate()
+        assert running.wait(PATIENCE_S) == 130
+    for run in runs.iterdir():
+        with pytest.raises(ProcessLookupError):
+            os.kill(int(run.name), 0)
 
 
 @pytest.mark.parametrize(("has_mujoco", "world"), [(True, "space"), (False, "plane")])
