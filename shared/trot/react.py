@@ -56,7 +56,9 @@ def held_up(params: Params, walk: Trot, leg: int) -> None:
 
     What the drives and the bus lag, known or not, both feet of a diagonal lag alike; what a load or an unknown delay
     leaves of it comes again in every swing, and is usual. The later the bus, the farther behind a foot may be that
-    still goes ahead: what it lags is known the later. Intermediates: 2^16 * 2^12.
+    still goes ahead: what it lags is known the later. In a high swing half more is none: slow drives lag unevenly
+    there, and a foot that gets over the edge by itself loses its step when it is told to get free first.
+    Intermediates: 2^16 * 2^12.
     """
     state = walk.state
     setup = params.trot
@@ -74,6 +76,8 @@ def held_up(params: Params, walk: Trot, leg: int) -> None:
         most = params.leg_length * _BEHIND_Q10 >> 10
     if most > setup.pushes:
         most = setup.pushes
+    if high:
+        most += most >> 1
     if behind > walk.peak[leg]:
         walk.peak[leg] = behind
     most += walk.usual[leg] + (turn * setup.turn_side >> 10)

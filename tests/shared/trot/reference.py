@@ -295,6 +295,7 @@ class FloatTrot:
             behind = -behind
         turning = 2 * abs(self.f.rests_m[0][1]) * tuning.TURN_LATE_S * abs(self.turn)
         most = min((61 if self.u <= 0.4 or high else 26) / 1024 * self.leg_m, tuning.HELD_PUSH * self.f.gives_m)
+        most *= 1.5 if high else 1.0
         self.peak[leg] = max(self.peak[leg], behind)
         most += self.usual[leg] + turning
         if behind > most and (high or behind > (1 + self.late) * most or not self.may_be_late(leg)):

@@ -122,11 +122,15 @@ def test_a_foot_that_comes_may_be_late_and_one_that_stays_is_held(way, gone, mat
         assert may_be_late(walk, leg) == late
 
 
-@pytest.mark.parametrize(("name", "pushes", "held"), [
-    ("pupper", 0.25, 0), ("pupper", 0.32, 1), ("parallel", 0.25, 0), ("parallel", 0.32, 1),
-    ("solo12", 0.15, 0), ("solo12", 0.20, 1),  # soft legs are behind by 0.06 of their length before that
+@pytest.mark.parametrize(("name", "high", "pushes", "held"), [
+    ("pupper", 0, 0.25, 0), ("pupper", 0, 0.32, 1), ("parallel", 0, 0.25, 0), ("parallel", 0, 0.32, 1),
+    ("solo12", 0, 0.15, 0), ("solo12", 0, 0.20, 1),  # soft legs are behind by 0.06 of their length before that
+    ("pupper", 1, 0.40, 0), ("pupper", 1, 0.46, 1), ("parallel", 1, 0.40, 0), ("parallel", 1, 0.46, 1),
+    ("solo12", 1, 0.23, 0), ("solo12", 1, 0.30, 1),
 ])
-def test_a_foot_is_held_up_when_it_pushes_with_0_285_of_the_weight(name, pushes, held):
+def test_a_foot_is_held_up_when_it_pushes_with_0_285_of_the_weight_and_half_more_in_a_high_swing(
+    name, high, pushes, held
+):
     """pushes: with which share of the weight, by the thigh's spring and the height of the hips."""
     robot = load_robot(name)
     _, params, walk = stood(name)
@@ -137,6 +141,7 @@ def test_a_foot_is_held_up_when_it_pushes_with_0_285_of_the_weight(name, pushes,
         unpack(walk.before, [0] * 12)
         unpack(walk.measured, [100] * 12)
         walk.residual_x[leg] = -round(gives_m * (1 << params.length_shift))
+        walk.tops[leg] = params.trot.high_lift if high else params.trot.low_lift
         held_up(params, walk, leg)
         assert walk.held[leg] == held
 
