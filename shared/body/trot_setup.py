@@ -25,7 +25,7 @@ class TrotSetup:
     height: int = field("lu", "hips above the feet at rest")
     low_lift: int = field("lu", "top of a swing on even ground")
     high_lift: int = field("lu", "the same once something was met")
-    highest_lift: int = field("lu", "the same of a foot that was held fast in its last swing")
+    highest_lift: int = field("lu", "the same of a foot that was held up in its last swing")
     turn_side: int = field("256 lu ticks", "how much farther behind than its mate a foot may be, per turn, up to 2^15")
     pushes: int = field("lu", "farther behind than its mate, a foot pushes hard")
     late_q8: int = field("Q8", "share by which a foot that goes ahead may be farther behind than its mate, up to 2^12")

@@ -23,8 +23,6 @@ _SMALL_Q10 = const(36)  # 0.035: less than that is none, the foot goes to where 
 _MET_QUARTERS = const(1)
 _LANDED_QUARTERS = const(2)
 _SWINGS_MAX = const(100)
-HELD = const(1)  # of ``held``: something held the foot up in its last swing
-HELD_FAST = const(2)  # and does not let it go by itself
 MET = const(1)  # of ``met``: it has met ground higher than planned
 MET_NOW = const(2)  # in this tick, whose goals are not led
 
@@ -58,9 +56,7 @@ def held_up(params: Params, walk: Trot, leg: int) -> None:
 
     What the drives and the bus lag, known or not, both feet of a diagonal lag alike; what a load or an unknown delay
     leaves of it comes again in every swing, and is usual. The later the bus, the farther behind a foot may be that
-    still goes ahead: what it lags is known the later. Held fast in a high swing is only a foot that is half more
-    behind: slow drives lag unevenly there, and a foot that gets over the edge by itself loses a step by getting free
-    first. Intermediates: 2^16 * 2^12.
+    still goes ahead: what it lags is known the later. Intermediates: 2^16 * 2^12.
     """
     state = walk.state
     setup = params.trot
@@ -80,14 +76,10 @@ def held_up(params: Params, walk: Trot, leg: int) -> None:
         most = setup.pushes
     if behind > walk.peak[leg]:
         walk.peak[leg] = behind
-    half = most >> 1
     most += walk.usual[leg] + (turn * setup.turn_side >> 10)
     if behind <= most or (high == 0 and behind <= most + (most * setup.late_q8 >> 8) and may_be_late(walk, leg)):
         return
-    if high == 0 or behind > most + half:
-        walk.held[leg] = HELD_FAST
-    elif walk.held[leg] == 0:
-        walk.held[leg] = HELD
+    walk.held[leg] = 1
     if high == 0:
         state.blocked += 1
         state.high_left = setup.high_way
@@ -116,14 +108,14 @@ def may_be_late(walk: Trot, leg: int) -> int:
 
 @hot
 def give_way(walk: Trot, leg: int) -> None:
-    """A foot that is held fast is sent half as far ahead of where it is.
+    """A foot that is held up is sent half as far ahead of where it is.
 
     It pushes with half the force, gets free by rising, and still gets to its foothold: sent no further than it is, it
     would come down short of it, and the body go on over it. Told to stop it does not push.
     """
     short = walk.short
     short[leg] = 0
-    if walk.held[leg] == HELD_FAST:
+    if walk.held[leg]:
         short[leg] = -walk.residual_x[leg]
         if walk.state.foot_speed.x:
             short[leg] = -(walk.residual_x[leg] >> 1)
@@ -151,8 +143,8 @@ def count_held(params: Params, walk: Trot, leg: int) -> None:
         count += 3
     walk.tops[leg] = swing_top(params, walk, leg)
     walk.frees[leg] = 0
-    if held[leg] == HELD_FAST and state.high_left and params.lateral_q12 and climbs(params, walk) == 0:
-        walk.frees[leg] = 1
+    if state.high_left and params.lateral_q12 and climbs(params, walk) == 0:
+        walk.frees[leg] = held[leg]
     if walk.tops[leg ^ 1] >= params.trot.highest_lift:
         walk.frees[leg] = 0
     if held[leg] == 0:
@@ -172,8 +164,8 @@ def count_held(params: Params, walk: Trot, leg: int) -> None:
 
 @hot
 def swing_top(params: Params, walk: Trot, leg: int) -> int:
-    """Return the top of a leg's next swing, lu: the highest after one that was held fast, while swings are high."""
-    if walk.state.high_left and walk.held[leg] == HELD_FAST:
+    """Return the top of a leg's next swing, lu: the highest after one that was held up, while swings are high."""
+    if walk.state.high_left and walk.held[leg]:
         return params.trot.highest_lift
     return walk.state.lift
 

@@ -77,10 +77,10 @@ class Trot:
         self.stands = zeros(LEGS)  # 1: the foot stands, by plan or because it met something
         self.met = zeros(LEGS)  # react.MET...: it met ground higher than planned in this swing, or landing from it
         self.tops = zeros(LEGS)  # lu, of the present swings
-        self.held = zeros(LEGS)  # react.HELD...: the foot was held up in its last swing
+        self.held = zeros(LEGS)  # 1: the foot was held up in its last swing
         self.peak = zeros(LEGS)  # lu, the most a foot was behind its mate in its swing
         self.usual = zeros(LEGS)  # lu, the mean of that over swings that were not held up, at most 0.04 of the leg
-        self.frees = zeros(LEGS)  # 1: the foot was held fast in the swing before, and first gets free in this one
+        self.frees = zeros(LEGS)  # 1: the foot was held up in the swing before, and first gets free of that in this one
         self.short = zeros(LEGS)  # lu, how much shorter of its way the foot in the air is sent
         self.jams = zeros(LEGS)  # twice the swings that were, less those that were not
         self.load_q12 = zeros(LEGS)  # own weight Q12, what each foot is expected to carry

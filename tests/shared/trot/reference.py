@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 
 from host.robot import trot_tuning as tuning
 from host.robot.drives import friction_bands, joint_drives
-from shared.trot.react import HELD, HELD_FAST
 from sim2d.model import GRAVITY_M_S2 as G
 
 LATER = (0, 1, 1, 0)  # half a cycle later than the diagonal FR RL
@@ -79,7 +78,7 @@ class FloatTrot:
         self.low, self.high = tuning.LOW_LIFT * self.leg_m, tuning.HIGH_LIFT * self.leg_m
         self.highest = tuning.HIGHEST_LIFT * self.leg_m
         self.lift, self.tops, self.ascent = self.low, [self.low] * 4, [0.0] * 4
-        self.held, self.short, self.peak, self.usual = [0] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
+        self.held, self.short, self.peak, self.usual = [False] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
         self.frees = [False] * 4
         self.known, self.measured, self.before, self.free = 0, None, None, None
         self.residual = [[0.0, 0.0] for _ in range(4)]
@@ -274,20 +273,20 @@ class FloatTrot:
         if self.u > 0.1:
             self.hold_up(leg)
         behind = self.residual[leg][0] / (2 if self.foot_speed[0] else 1)
-        self.short[leg] = -behind if self.held[leg] == HELD_FAST else 0.0
+        self.short[leg] = -behind if self.held[leg] else 0.0
         return 0
 
     def begin_swing(self, leg):
         self.tops[leg] = self.swing_top(leg)
         alone = self.tops[leg ^ 1] < self.highest and not self.climbs()
-        self.frees[leg] = self.held[leg] == HELD_FAST and bool(self.high_left and alone)
+        self.frees[leg] = bool(self.held[leg] and self.high_left and alone)
         if not self.held[leg]:
             self.usual[leg] = min(0.75 * self.usual[leg] + 0.25 * self.peak[leg], 41 / 1024 * self.leg_m)
-        self.held[leg], self.peak[leg], self.short[leg] = 0, 0.0, 0.0
+        self.held[leg], self.peak[leg], self.short[leg] = False, 0.0, 0.0
         self.ascent[leg], self.stands[leg] = 0.0, 0
 
     def swing_top(self, leg):
-        return self.highest if self.high_left and self.held[leg] == HELD_FAST else self.lift
+        return self.highest if self.high_left and self.held[leg] else self.lift
 
     def hold_up(self, leg):
         high = self.tops[leg] >= self.high
@@ -296,11 +295,10 @@ class FloatTrot:
             behind = -behind
         turning = 2 * abs(self.f.rests_m[0][1]) * tuning.TURN_LATE_S * abs(self.turn)
         most = min((61 if self.u <= 0.4 or high else 26) / 1024 * self.leg_m, tuning.HELD_PUSH * self.f.gives_m)
-        half = most / 2
         self.peak[leg] = max(self.peak[leg], behind)
         most += self.usual[leg] + turning
         if behind > most and (high or behind > (1 + self.late) * most or not self.may_be_late(leg)):
-            self.held[leg] = HELD_FAST if not high or behind > most + half else max(HELD, self.held[leg])
+            self.held[leg] = True
             if not high:
                 self.tops[leg], self.high_left = self.high, tuning.HIGH_LENGTHS * self.f.length_m
 

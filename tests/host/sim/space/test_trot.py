@@ -187,12 +187,12 @@ def watched(height_m, start_m, seconds):
     return walk.rows[-1][0], walk.trunk, [note.what for note in watch.notes], backing_m
 
 
-ON_THE_WALL = pytest.mark.xfail(strict=True, reason="its trunk comes down on the wall, as on 30 of 96 (docs/gaits.md)")
-
-
-@pytest.mark.parametrize("start_m", [0.40, 0.45, pytest.param(0.50, marks=ON_THE_WALL), 0.55])
+@pytest.mark.parametrize("start_m", [0.40, 0.45, 0.50, 0.55])
 def test_from_a_wall_it_backs_off_and_crawls_and_does_not_fall(start_m):
-    """What the crawl gets over behind that is tried in the plane: tests/shared/test_crawl.py."""
+    """What the crawl gets over behind that is tried in the plane: tests/shared/test_crawl.py.
+
+    Of walls of 80 and 100 mm, at 0.1 and 0.15 m/s from these four places, its trunk touches none; of 120 mm, 7 of 8.
+    """
     x_m, fell, walked, backing_m = watched(0.10, start_m, 30.0)
     assert x_m < start_m
     assert not fell
