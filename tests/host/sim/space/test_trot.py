@@ -192,6 +192,7 @@ def test_from_a_wall_it_backs_off_and_crawls_and_does_not_fall(start_m):
     """What the crawl gets over behind that is tried in the plane: tests/shared/test_crawl.py.
 
     Of walls of 80 and 100 mm, at 0.1 and 0.15 m/s from these four places, its trunk touches none; of 120 mm, 7 of 8.
+    From the eight places 0.40, 0.42 .. 0.54 it touches 7 of 32, and 11 of 16.
     """
     x_m, fell, walked, backing_m = watched(0.10, start_m, 30.0)
     assert x_m < start_m
