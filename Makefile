@@ -54,7 +54,7 @@ test check: export PYTHONDONTWRITEBYTECODE =
 test check: export OPENBLAS_NUM_THREADS = 1
 
 test: setup
-	@$(PYTHON) .ci/test.py $(BIN) $(JOBS)
+	@$(BIN)/python .ci/test.py $(BIN) $(JOBS)
 
 check: setup
 	$(BIN)/ruff check .

@@ -146,13 +146,20 @@ def make(*arguments: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(["make", *arguments], cwd=ROOT, capture_output=True, text=True, check=False, env=kept)
 
 
+# A fake tool that is the environment's Python: it runs what runs the others.
+FAKE = f'#!/bin/sh\ncase $1 in .ci/test.py) exec {sys.executable} "$@";; esac\n'
+
+
 def fake_tools(folder: Path, **exit_codes: int) -> list[str]:
-    """Write ruff, mypy and pytest that only leave with a code; return make's arguments to use them."""
+    """Write ruff, mypy and pytest that only leave with a code; return make's arguments to use them.
+
+    Once there is an environment, no other Python is used: the machine's may be too old.
+    """
     for name, code in exit_codes.items():
-        (folder / name).write_text(f"#!/bin/sh\necho ran {name}\nexit {code}\n")
+        (folder / name).write_text(f"{FAKE}echo ran {name}\nexit {code}\n")
         (folder / name).chmod(0o755)
     (folder / "stamp").write_text("")
-    return [f"BIN={folder}", f"STAMP={folder / 'stamp'}"]
+    return [f"BIN={folder}", f"STAMP={folder / 'stamp'}", "PYTHON=false"]
 
 
 PARTS = {"ruff": "ruff", "mypy": "mypy", "pytest": "sources others", "python": "core"}  # as make test names them
@@ -169,7 +176,7 @@ def test_make_test_fails_if_any_of_its_parts_does(tmp_path, fails):
 @pytest.mark.parametrize("fails_in", ["source", "cores"])
 def test_the_tests_of_the_sources_run_from_them_and_all_others_by_the_compiled_core(tmp_path, fails_in):
     tools = fake_tools(tmp_path, ruff=0, mypy=0, pytest=0, python=0)
-    (tmp_path / "python").write_text("#!/bin/sh\necho cores\n")
+    (tmp_path / "python").write_text(f"{FAKE}echo cores\n")
     (tmp_path / "pytest").write_text(f'#!/bin/sh\necho "$CARAMELO_CORE: $@"\ntest "$CARAMELO_CORE" != {fails_in}\n')
     done = make("test", *tools, "JOBS=2")
     of_sources, others = (line for line in done.stdout.splitlines() if ": -n 2" in line)
