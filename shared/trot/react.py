@@ -23,6 +23,7 @@ _SMALL_Q10 = const(36)  # 0.035: less than that is none, the foot goes to where 
 _MET_QUARTERS = const(1)
 _LANDED_QUARTERS = const(2)
 _SWINGS_MAX = const(100)
+_DOWN_Q20 = const(20972)  # 0.02: steeper than that down the way
 MET = const(1)  # of ``met``: it has met ground higher than planned
 MET_NOW = const(2)  # in this tick, whose goals are not led
 
@@ -147,6 +148,7 @@ def count_held(params: Params, walk: Trot, leg: int) -> None:
         walk.frees[leg] = held[leg]
     if walk.tops[leg ^ 1] >= params.trot.highest_lift:
         walk.frees[leg] = 0
+    count_row(walk, leg)
     if held[leg] == 0:
         usual = walk.usual[leg] + (walk.peak[leg] - walk.usual[leg] >> 2)
         walk.usual[leg] = saturate(usual, 0, params.leg_length * _USUAL_Q10 >> 10)
@@ -160,6 +162,25 @@ def count_held(params: Params, walk: Trot, leg: int) -> None:
     state.held_ticks = 0
     if speed:
         state.held_ticks = most * (CYCLE_Q20 >> 1) // params.trot.phase_step_q20
+
+
+@hot
+def count_row(walk: Trot, leg: int) -> None:
+    """Count the swings in a row, of both front or both hind feet, that were held up: an edge holds up few, a wall all.
+
+    Not once it goes down: after a step down, the feet of slow drives lag in high swings as if they were.
+    """
+    state = walk.state
+    rows = walk.rows
+    rise = state.slope_q20.x
+    if state.foot_speed.x < 0:
+        rise = -rise
+    if walk.held[leg] == 0 or state.foot_speed.x == 0:
+        rows[leg >> 1] = 0
+    elif rise < -_DOWN_Q20:
+        rows[leg >> 1] = -_SWINGS_MAX
+    else:
+        rows[leg >> 1] = saturate(rows[leg >> 1] + 1, -_SWINGS_MAX, _SWINGS_MAX)
 
 
 @hot

@@ -83,6 +83,7 @@ class Trot:
         self.frees = zeros(LEGS)  # 1: the foot was held up in the swing before, and first gets free of that in this one
         self.short = zeros(LEGS)  # lu, how much shorter of its way the foot in the air is sent
         self.jams = zeros(LEGS)  # twice the swings that were, less those that were not
+        self.rows = zeros(LEGS >> 1)  # swings in a row that were held up: of the front feet, of the hind feet
         self.load_q12 = zeros(LEGS)  # own weight Q12, what each foot is expected to carry
         self.hip_feet = Feet()  # lu from the hips
         self.flags = zeros(LEGS)  # leg.LIMIT_...: which joints of each leg were limited
@@ -129,6 +130,7 @@ def trot_reset(params: Params, walk: Trot) -> None:
         walk.peak[leg] = 0
         walk.usual[leg] = 0
         walk.jams[leg] = 0
+        walk.rows[leg >> 1] = 0
         foot = walk.feet.legs[leg]
         foot.x = limb.rest.x << LF_BITS
         foot.y = limb.rest.y << LF_BITS

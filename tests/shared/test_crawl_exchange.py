@@ -23,7 +23,9 @@ from .walker import BACK, NAMES, OFF, ON, Walker, phase
 
 YAW_RAD = 2.0**-18
 PATIENCE_S = 4
+PATIENCE = 7  # swings in a row of both front or both hind feet
 HELD = (0, 50 * PATIENCE_S, 50 * PATIENCE_S + 1, 4000)  # ticks
+ROWS = ([0, 0],) * 3 + ([PATIENCE - 1, PATIENCE - 1], [PATIENCE, 0], [0, PATIENCE], [-100, 100])
 MOVE, CHOOSE, TICK = planner.move, planner.choose_mover, planner.tick_mover
 
 
@@ -69,10 +71,14 @@ class Pair:
             fallen=numbers.fallen,
             standing=numbers.state == n.STANDING,
             walked=numbers.gait,
-            held=numbers.mover == MOVER_TROT and robot.trot.state.held_ticks > PATIENCE_S * self.robot.rate_hz,
+            held=numbers.mover == MOVER_TROT and self.held_up(robot.trot),
             moved=robot.trot.state.seen.x * self.robot.unit_m / 256,
             known=robot.sensing.known,
         )
+
+    def held_up(self, trot):
+        """Return whether it was held up for too long, or by a wall."""
+        return trot.state.held_ticks > PATIENCE_S * self.robot.rate_hz or max(trot.rows) >= PATIENCE
 
     def move(self, robot, command, sensed):
         """Stand in for shared.planner.planner.move: one tick of the mover whose turn it is."""
@@ -127,6 +133,7 @@ class Pair:
         assert pack(robot.speed) == [0, 0, 0]
         assert (self.status.mover, self.status.state) == (MOVER_TROT, n.WALKING)
         assert robot.trot.state.held_ticks == 0
+        assert list(robot.trot.rows) == [0, 0]
 
     def compare(self, standing):
         """The same stage, reason, state, gait and flag."""
@@ -179,6 +186,7 @@ def trouble(pair, dice):
     sensed.valid.tilt = int(dice.random() > 0.002)
     if dice.random() < 0.01 and numbers.mover == MOVER_TROT:
         pair.walker.planner.trot.state.held_ticks = dice.choice(HELD)
+        pair.walker.planner.trot.rows[:] = dice.choice(ROWS)
     if dice.random() < 0.3 and phase(pair.walker.planner) == ON:
         pair.walker.planner.crawl.even.even_steps = dice.choice((0, 15, 16, 20))
 
@@ -241,14 +249,14 @@ def put(drawn, speed, command):
 
 
 @repeatable(1500)
-@given(TROTS, SPEEDS, COMMANDS, st.sampled_from((3, 3, 3, 1, 2)), st.sampled_from(HELD))
-def test_the_crawl_begins_for_the_same_reason_at_any_point(drawn, speed, command, senses, held):
+@given(TROTS, SPEEDS, COMMANDS, st.sampled_from((3, 3, 3, 1, 2)), st.sampled_from(HELD), st.sampled_from(ROWS))
+def test_the_crawl_begins_for_the_same_reason_at_any_point(drawn, speed, command, senses, held, rows):
     pair, robot, block = put(drawn, speed, command)
     before, sensed = robot.status.mover, pair.walker.sensed
     sensed.valid.joints, sensed.valid.tilt = senses & 1, senses >> 1
     retreat.retreat_start(robot.retreat)
     pair.twin.retreat = twin.Retreat(pair.robot, Doubt())
-    robot.trot.state.held_ticks, robot.speed.vx = held, 99
+    robot.trot.state.held_ticks, robot.trot.rows[:], robot.speed.vx = held, rows, 99
     pair.choose(robot, block, sensed)
     ended = before == MOVER_TROT and robot.status.mover != MOVER_TROT
     assert robot.speed.vx == (0 if ended or robot.status.mover == MOVER_CRAWL else 99)

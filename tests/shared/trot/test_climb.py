@@ -10,7 +10,7 @@ from shared.sense.legs import MeasuredFeet
 from shared.sense.odometry import Odometry
 from shared.trot.clock import go_on
 from shared.trot.ground import climbs
-from shared.trot.react import MET, MET_NOW, count_held, lift_on, swing_top
+from shared.trot.react import MET, MET_NOW, count_held, count_row, lift_on, swing_top
 from shared.trot.state import CYCLE_Q20, Trot
 from shared.trot.trot import trot_start
 
@@ -60,6 +60,26 @@ def test_the_next_swing_is_highest_after_one_that_was_held_up_while_swings_are_h
     state, setup, walk = pair.walk.state, pair.params.trot, pair.walk
     state.lift, state.high_left, walk.held[1] = setup.high_lift, high * setup.high_way, held
     assert swing_top(pair.params, walk, 1) == (setup.highest_lift if held and high else setup.high_lift)
+
+
+@pytest.mark.parametrize(("swings", "rows"), [
+    (((0, 1, 0), (1, 1, 0), (0, 1, 0)), [3, 0]),
+    (((2, 1, 0), (3, 1, 0), (0, 1, 0)), [1, 2]),
+    (((0, 1, 0), (1, 0, 0), (0, 1, 0)), [1, 0]),
+    (((0, 1, 0), (1, 1, -0.03), (0, 1, 0)), [-99, 0]),  # it went down: that is no wall
+    (((0, 1, -0.01), (1, 1, 0.3), (0, 1, 0)), [3, 0]),
+    (((0, 1, 0),) * 300, [100, 0]),
+    (((0, 1, -1), (0, 0, 0), (1, 1, 0)), [1, 0]),
+])
+@pytest.mark.parametrize("way", [-1, 0, 1])
+def test_swings_held_up_in_a_row_are_counted_for_the_front_and_the_hind_feet(pair, way, swings, rows):
+    """Each swing: its leg, whether it was held up, and the rise of the ground along the way. Nothing holds who stands."""
+    state, walk = pair.walk.state, pair.walk
+    state.foot_speed.x = way * 1000
+    for leg, held, rise in swings:
+        walk.held[leg], state.slope_q20.x = held, round((way or 1) * rise * 2**20 * 0.99)
+        count_row(walk, leg)
+    assert list(walk.rows) == (rows if way else [0, 0])
 
 
 @pytest.mark.parametrize(("high", "slope", "stood", "met_before", "known", "taken"), [
