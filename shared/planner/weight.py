@@ -9,6 +9,9 @@ stiff to tell, is not lifted.
     carries nothing -> slowly to the stance, hold it -> carries again and is told to stand -> stands
 """
 
+from ..crawl.state import HANG, LOWER
+from ..gait.table import MOVER_CRAWL
+from ..num.fixed import saturate
 from ..runtime import const, hot
 from .command import MODE_FOLD, MODE_LIMP, MODE_SIT, MODE_STAND
 from .posture import posture_step
@@ -16,6 +19,7 @@ from .state import PlannerState
 from .states import begin_move
 from .status import LIFTED, RISING, STANDING
 
+_OWN_Q12 = const(4096)
 _HALF_Q12 = const(2048)
 _QUARTER_Q12 = const(1024)
 _RISEN = const(4)  # ticks for which the joints have answered a robot that has risen
@@ -31,7 +35,7 @@ def watch_weight(planner: PlannerState) -> None:
     status = planner.status
     if status.shifts:
         return
-    status.felt_q12 += (planner.odometry.carried_q12 - status.felt_q12) * planner.params.evened_q10 >> 10
+    status.felt_q12 += (carried(planner) - status.felt_q12) * planner.params.evened_q10 >> 10
     if status.carries == 0:
         ask(planner)
     elif status.felt_q12 < _QUARTER_Q12:
@@ -42,12 +46,26 @@ def watch_weight(planner: PlannerState) -> None:
 
 
 @hot
+def carried(planner: PlannerState) -> int:
+    """Return what the feet carry, own weight Q12: also the one that the crawl lowers, which may bear most of it at once.
+
+    It stands as soon as that is sure. Other legs in the air press only as they are moved.
+    """
+    carried_q12 = planner.odometry.carried_q12
+    if planner.status.mover == MOVER_CRAWL:
+        stage = planner.crawl.stage
+        if stage.stage == HANG or stage.stage == LOWER:
+            carried_q12 += saturate(planner.sensing.force_q12[stage.leg], 0, _OWN_Q12)
+    return carried_q12
+
+
+@hot
 def ask(planner: PlannerState) -> None:
     """See whether the feet carry the robot: when it has risen, before it walks, or while it stands."""
     status = planner.status
     risen = planner.params.sent_ticks + _RISEN
     if planner.sensing.known == risen:
-        status.felt_q12 = planner.odometry.carried_q12
+        status.felt_q12 = carried(planner)
     if status.felt_q12 >= _HALF_Q12 and (planner.sensing.known == risen or status.state == STANDING):
         status.carries = 1
 

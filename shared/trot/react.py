@@ -128,8 +128,9 @@ def count_held(params: Params, walk: Trot, leg: int) -> None:
 
     A leg's swings that were held up while swings are high are counted twice, less one for each that was not; the leg
     with most of them tells. The measured speed alone would not: before a wall the feet that stand slip, and seem to go
-    on. What is usual has a limit: before a wall to be held up would be. A foot that was held up gets free first, but
-    not where the foot beside it was held up as well, as before a wall or in the plane, nor where the ground climbs.
+    on. Where the ground climbs it does: on stairs each riser holds a foot up, and the robot is as fast as told. What is
+    usual has a limit: before a wall to be held up would be. A foot that was held up gets free first, but not where the
+    foot beside it was held up as well, as before a wall or in the plane, nor where the ground climbs.
     """
     state = walk.state
     held = walk.held
@@ -139,12 +140,13 @@ def count_held(params: Params, walk: Trot, leg: int) -> None:
     if speed < 0:
         speed = -speed
         seen = -seen
+    up = climbs(params, walk)
     count = jams[leg] - 1
-    if state.high_left and (held[leg] or seen * 3 < speed):
+    if state.high_left and (held[leg] or seen * 3 < speed) and (up == 0 or seen < speed):
         count += 3
     walk.tops[leg] = swing_top(params, walk, leg)
     walk.frees[leg] = 0
-    if state.high_left and params.lateral_q12 and climbs(params, walk) == 0:
+    if state.high_left and params.lateral_q12 and up == 0:
         walk.frees[leg] = held[leg]
     if walk.tops[leg ^ 1] >= params.trot.highest_lift:
         walk.frees[leg] = 0

@@ -4,9 +4,11 @@ import random
 
 import pytest
 
+from shared.crawl import state as stages
+from shared.gait.table import MOVER_CRAWL, MOVER_TABLE, MOVER_TROT
 from shared.planner import command as c
 from shared.planner import status as n
-from shared.planner.weight import put_down, watch_weight
+from shared.planner.weight import carried, put_down, watch_weight
 from shared.record import pack
 
 from .walker import Walker
@@ -79,6 +81,19 @@ def test_who_is_lifted(seed):
         assert status.felt_q12 / 4096 == pytest.approx(rule.felt, abs=BOUND)
         assert (status.carries, status.lifted) == (int(rule.carries), int(rule.lifted))
     assert began > 5
+
+
+@pytest.mark.parametrize("mover", [MOVER_TABLE, MOVER_TROT, MOVER_CRAWL])
+@pytest.mark.parametrize("stage", range(stages.STILL + 1))
+def test_a_foot_that_the_crawl_lowers_carries_what_it_presses(mover, stage):
+    """At most the own weight. Before it is told to stand it may bear most of the robot; a leg that pulls bears nothing."""
+    planner = Walker("caramelo", 50).planner
+    planner.status.mover, planner.crawl.stage.stage, planner.crawl.stage.leg = mover, stage, 2
+    planner.odometry.carried_q12 = 500
+    lowers = mover == MOVER_CRAWL and stage in (stages.HANG, stages.LOWER)
+    for force, pressed in ((-16383, 0), (-1, 0), (0, 0), (900, 900), (4096, 4096), (16383, 4096)):
+        planner.sensing.force_q12[:] = [7000, 7000, force, 7000]
+        assert carried(planner) == 500 + (pressed if lowers else 0)
 
 
 def loaded(walker, weight):

@@ -136,6 +136,19 @@ def test_a_foot_swings_again_after_it_met_something_however_late_the_bus_is(rate
         assert swung == 0b1111
 
 
+@pytest.mark.parametrize(("climbing", "held", "of_speed", "counts"), [
+    (0, 1, 1.1, 2), (0, 0, 0.3, 2), (0, 0, 0.4, 0),
+    (1, 1, 1.1, 0), (1, 1, 0.9, 2), (1, 0, 0.3, 2), (1, 0, 0.4, 0),
+])
+@pytest.mark.parametrize("way", [-1, 1])
+def test_a_swing_that_a_riser_held_up_counts_where_it_climbs_only_if_it_is_slow(pair, way, climbing, held, of_speed, counts):
+    state, walk = pair.walk.state, pair.walk
+    state.foot_speed.x, state.seen.x, walk.held[2] = way * 1000, round(way * 1000 * of_speed), held
+    state.slope_q20.x, state.uneven_q4 = climbing * way << 18, UNEVEN_Q4
+    count_held(pair.params, walk, 2)
+    assert walk.jams[2] == counts
+
+
 def test_to_be_held_up_never_becomes_usual(pair):
     for _ in range(100):
         pair.walk.peak[2] = pair.params.leg_length >> 2

@@ -300,6 +300,7 @@ PARTS = (
     _part("follow_way", planner_senses.follow_way, (ROBOT,), STATE, _live),
     _part("note_odd", planner_senses.note_odd, (ROBOT, Range(-1, 12)), STATE),
     _part("watch_weight", weight.watch_weight, (ROBOT,), STATE, _live_about_to_lift),
+    _part("carried", weight.carried, (ROBOT,), STATE, _live_about_to_lift),
     _part("ask", weight.ask, (ROBOT,), STATE, _live_about_to_lift),
     _part("put_down", weight.put_down, (ROBOT, ANY_MODE), STATE, _live_about_to_lift),
     _part("watch_tilt", planner_states.watch_tilt, (ROBOT, SENSED, ANY_MODE), STATE),
