@@ -47,9 +47,9 @@ def watch_weight(planner: PlannerState) -> None:
 
 @hot
 def carried(planner: PlannerState) -> int:
-    """Return what the feet carry, own weight Q12: also the one that the crawl lowers, which may bear most of it at once.
+    """Return what the feet carry, own weight Q12: also the one that the crawl lowers.
 
-    It stands as soon as that is sure. Other legs in the air press only as they are moved.
+    It may bear most of the robot before it is told to stand. Other legs in the air press only as they are moved.
     """
     carried_q12 = planner.odometry.carried_q12
     if planner.status.mover == MOVER_CRAWL:

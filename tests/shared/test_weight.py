@@ -61,20 +61,20 @@ def test_who_is_lifted(seed):
     planner, began = walker.planner, 0
     status = planner.status
     status.felt_q12 = status.carries = 0
-    for carried in weights(dice, 20000):
+    for weight in weights(dice, 20000):
         mode = dice.choice((c.MODE_WALK,) * 300 + (c.MODE_STAND,) * 2 + (c.MODE_SIT, c.MODE_LIMP))
         status.flags = 0
         if dice.random() < 0.01:
             status.state = dice.choice((n.STANDING, n.WALKING))
         assert put_down(planner, mode) == int(bool(status.flags & n.LIFTED))
         rule.told(mode)
-        planner.odometry.carried_q12 = round(4096 * carried)
+        planner.odometry.carried_q12 = round(4096 * weight)
         risen, felt = dice.random() < 0.01, status.felt_q12
         planner.sensing.known = walker.params.sent_ticks + 4 if risen else 100
         stands = status.state == n.STANDING
         watch_weight(planner)
         share_q10 = 1024 if risen and not rule.carries else 5120 // 55  # at 50 Hz
-        begins = rule.feel(carried, risen, stands, (felt + ((round(4096 * carried) - felt) * share_q10 >> 10)) / 4096)
+        begins = rule.feel(weight, risen, stands, (felt + ((round(4096 * weight) - felt) * share_q10 >> 10)) / 4096)
         if begins:
             assert (status.state, bool(status.flags & n.LIFTED)) == (n.RISING, True)
             began += 1
@@ -86,7 +86,7 @@ def test_who_is_lifted(seed):
 @pytest.mark.parametrize("mover", [MOVER_TABLE, MOVER_TROT, MOVER_CRAWL])
 @pytest.mark.parametrize("stage", range(stages.STILL + 1))
 def test_a_foot_that_the_crawl_lowers_carries_what_it_presses(mover, stage):
-    """At most the own weight. Before it is told to stand it may bear most of the robot; a leg that pulls bears nothing."""
+    """At most the own weight: it may bear most of the robot before it is told to stand. A leg that pulls bears nothing."""
     planner = Walker("caramelo", 50).planner
     planner.status.mover, planner.crawl.stage.stage, planner.crawl.stage.leg = mover, stage, 2
     planner.odometry.carried_q12 = 500

@@ -73,7 +73,7 @@ def test_the_next_swing_is_highest_after_one_that_was_held_up_while_swings_are_h
 ])
 @pytest.mark.parametrize("way", [-1, 0, 1])
 def test_swings_held_up_in_a_row_are_counted_for_the_front_and_the_hind_feet(pair, way, swings, rows):
-    """Each swing: its leg, whether it was held up, and the rise of the ground along the way. Nothing holds who stands."""
+    """Each swing: its leg, whether it was held up, the rise of the ground along the way. Nothing holds who stands."""
     state, walk = pair.walk.state, pair.walk
     state.foot_speed.x = way * 1000
     for leg, held, rise in swings:
@@ -141,7 +141,9 @@ def test_a_foot_swings_again_after_it_met_something_however_late_the_bus_is(rate
     (1, 1, 1.1, 0), (1, 1, 0.9, 2), (1, 0, 0.3, 2), (1, 0, 0.4, 0),
 ])
 @pytest.mark.parametrize("way", [-1, 1])
-def test_a_swing_that_a_riser_held_up_counts_where_it_climbs_only_if_it_is_slow(pair, way, climbing, held, of_speed, counts):
+def test_where_it_climbs_a_swing_that_was_held_up_counts_only_if_it_is_slow(
+    pair, way, climbing, held, of_speed, counts
+):
     state, walk = pair.walk.state, pair.walk
     state.foot_speed.x, state.seen.x, walk.held[2] = way * 1000, round(way * 1000 * of_speed), held
     state.slope_q20.x, state.uneven_q4 = climbing * way << 18, UNEVEN_Q4
