@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from shared.record import pack
 from shared.runtime import zeros
-from shared.sense.attitude import ACCEL_REJECTED, ALIGNING, attitude_reset, attitude_step
+from shared.sense.attitude import ACCEL_REJECTED, ALIGNING, MOVED_WHILE_ALIGNING, attitude_reset, attitude_step
 
 from ..robot.model import Robot
 from ..robot.scale import attitude_block, rad
@@ -20,6 +20,8 @@ GAP_S = 0.1  # for this long the last reading replaces missing ones: a body turn
 # A falling robot turns faster than the 250 deg/s of an MPU6050, for up to 0.3 s in space. Meanwhile the attitude lags
 # behind, but it still shows the fall.
 SATURATED_S = 0.5
+STILL = "measuring the gyro's bias: hold the robot still"
+MOVED = "it moved, so the gyro's bias is measured again: hold the robot still"
 
 
 class Attitude:
@@ -62,7 +64,7 @@ class Attitude:
     def align(self) -> None:
         """Start again: take attitude and gyro bias from the next readings at rest."""
         attitude_reset(self.block)
-        self._aligned = False
+        self._aligned, self.note = False, ""
 
     @property
     def state(self) -> str:
@@ -127,8 +129,12 @@ class Attitude:
         self._aligned = bool(self.block.gathered >= self.block.align_ticks)
         if flags & ACCEL_REJECTED and flags & ALIGNING:
             self.note = "the accelerometer does not read 1 g at rest: check imu.accel_counts_per_g"
-        else:
-            self.note = "" if self._aligned else "measuring the gyro's bias: hold the robot still"
+        elif self._aligned:
+            self.note = ""
+        elif flags & MOVED_WHILE_ALIGNING:
+            self.note = MOVED
+        elif self.note != MOVED:
+            self.note = STILL
 
     def _examine(self, counts: Sequence[int]) -> str:
         """Return what is wrong with the sensor, "" if nothing."""
