@@ -156,8 +156,7 @@ def _latencies(folder: Path, name: str, opener: Callable[[Path], Any], presses: 
     """Return how long a source's sticks and stops take to reach the packet."""
     chance = Random("pauses")
     with opener(folder) as (teleop, source):
-        source("stand")
-        teleop.wait(lambda status: status["state"] == "standing", STAND_S)
+        teleop.stand(source, lambda status: status["state"] == "standing", STAND_S)
         steered_s = [_press(teleop, source, chance) for _ in range(presses)]
         stopped_s = [_stop(teleop, source, chance) for _ in range(presses)]
         if name.startswith("page"):
@@ -192,8 +191,7 @@ def _press(teleop: Watched, source: Source, chance: Random) -> float:
 
 def _stop(teleop: Watched, source: Source, chance: Random) -> float:
     """Stop while the robot rises, and reset."""
-    source("stand")
-    teleop.wait(lambda status: status["armed"], STAND_S)
+    teleop.stand(source, lambda status: status["armed"], STAND_S)
     time.sleep(chance.uniform(0.02, 0.06))
     pulled_s = time.monotonic()
     source("stop")

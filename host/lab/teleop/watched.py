@@ -120,6 +120,21 @@ class Watched:
         said = "; ".join(str(status[key]) for key in ("state", "reason", "remark") if status[key])
         raise UserError(f"not within {seconds} s: {said}", NOT_ACHIEVED)
 
+    def stand(self, ask: Callable[[str], Any], found: Callable[[Status], Any], seconds: float = PATIENCE_S) -> Status:
+        """Have ``ask`` "stand" until ``found``, and "reset" after a fault; return the status, UserError as ``wait``.
+
+        On a machine that is busy for a moment emulated servos fall silent, which is a fault of the bus.
+        """
+
+        def again(status: Status) -> Any:
+            if status["state"] == "fault":
+                ask("reset")
+            if status["state"] in ("fault", "disarmed"):
+                ask("stand")
+            return found(status)
+
+        return self.wait(again, seconds)
+
     def stop(self) -> dict[str, Any]:
         """End it by SIGTERM and return its figures."""
         self.script.close()

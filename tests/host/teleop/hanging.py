@@ -8,6 +8,7 @@ from pathlib import Path
 
 from host.bus.dynamixel.calibration.data import nominal, save_calibration
 from host.commands.teleop import END_MOST_S
+from host.lab.teleop.bench import LINES
 from host.lab.teleop.watched import Watched
 from host.robot.file import load_robot
 from host.sim.servos.process import Emulator
@@ -63,21 +64,12 @@ class Drive(Watched):
 
     def walk(self):
         """Stand up and walk."""
-        self.stand(lambda status: status["state"] == "standing")
+        self.stand_up(lambda status: status["state"] == "standing")
         self.wait(lambda status: self.drive(0.05) or status["state"] == "walking", AGAIN_S)
 
-    def stand(self, enough):
-        """Ask to stand up until ``enough``; on a busy machine switching on may need more than one try."""
-
-        def ask(status):
-            if status["state"] == "fault":
-                self.say(type="reset")
-            if status["state"] in ("fault", "disarmed"):
-                self.say(type="posture", posture="stand")
-            self.drive(0.0)
-            return enough(status)
-
-        self.wait(ask, AGAIN_S)
+    def stand_up(self, enough):
+        """Ask to stand up, at rest, until ``enough``."""
+        self.stand(lambda what: self.say(**LINES[what]), lambda status: self.drive(0.0) or enough(status), AGAIN_S)
 
     def drive(self, vx_m_s):
         self.say(type="drive", vx_m_s=vx_m_s, **DRIVE)

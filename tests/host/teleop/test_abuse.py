@@ -60,7 +60,7 @@ def test_a_stop_acts_while_all_else_goes_wrong(tmp_path, monkeypatch, servos, st
         for number in range(stops):
             if number % THAWED == 0:
                 drive.hang("page")
-            drive.stand(lambda status: status["armed"])
+            drive.stand_up(lambda status: status["armed"])
             assert drive.emulator is None or drive.holds()
             taken_s.append(stop(drive))
             drive.say(**RESET)

@@ -6,6 +6,7 @@ import pytest
 
 from host.cli import main
 from host.lab.teleop import bench
+from host.lab.teleop.watched import Watched
 
 
 def test_a_figure_is_reached_or_not():
@@ -24,6 +25,23 @@ def test_keys_typed_into_the_terminal_reach_the_servos(tmp_path):
     assert 0 < steered.value < 2000
     assert 0 < stopped.value < 2000
     assert steered.detail.endswith("3 times")
+
+
+class Told(Watched):
+    """A command that is in one state after the other."""
+
+    def __init__(self, *states):
+        self.states = list(states)
+
+    def status(self):
+        return {"state": self.states.pop(0)}
+
+
+def test_a_fault_on_the_way_up_is_reset_and_it_stands_up_again():
+    """A busy machine's emulated servos fall silent: that ended `make test` once, and measures nothing."""
+    asked, told = [], Told("disarmed", "standing up", "fault", "disarmed", "standing up", "standing", "walking")
+    assert told.stand(asked.append, lambda status: status["state"] == "standing") == {"state": "standing"}
+    assert asked == ["stand", "reset", "stand", "stand"]
 
 
 @pytest.mark.parametrize(("value", "code"), [(20.0, 0), (31.0, 1)])
