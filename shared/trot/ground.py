@@ -87,15 +87,20 @@ def follow_uneven(params: Params, walk: Trot, off: int) -> None:
 
 
 @hot
+def rise_q20(walk: Trot) -> int:
+    """Return how much the ground rises per way along the way that the robot is told to go, Q20 within 0.3."""
+    if walk.state.foot_speed.x < 0:
+        return -walk.state.slope_q20.x
+    return walk.state.slope_q20.x
+
+
+@hot
 def climbs(params: Params, walk: Trot) -> int:
     """Return 1 where the ground rises along the way as stairs do, or an edge with the hind feet still below; else 0.
 
     Of late the feet stood off their plane: on a slope they stand in it.
     """
-    rise = walk.state.slope_q20.x
-    if walk.state.foot_speed.x < 0:
-        rise = -rise
-    if rise > _STEEP_Q20 and walk.state.uneven_q4 > params.leg_length * _UNEVEN_Q10 >> 10:
+    if rise_q20(walk) > _STEEP_Q20 and walk.state.uneven_q4 > params.leg_length * _UNEVEN_Q10 >> 10:
         return 1
     return 0
 

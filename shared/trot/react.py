@@ -3,7 +3,7 @@
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import saturate
 from ..runtime import const, hot
-from .ground import climbs, ground_z, level_z
+from .ground import climbs, ground_z, level_z, rise_q20
 from .state import CYCLE_Q20, Trot
 
 _MIDDLE = const(16384)  # of a swing, Q15: from here on a foot comes down
@@ -23,7 +23,7 @@ _SMALL_Q10 = const(36)  # 0.035: less than that is none, the foot goes to where 
 _MET_QUARTERS = const(1)
 _LANDED_QUARTERS = const(2)
 _SWINGS_MAX = const(100)
-_DOWN_Q20 = const(20972)  # 0.02: steeper than that down the way
+_DOWN_Q20 = const(20972)  # 0.02: steeper, and the ground goes down; before a wall it was felt to rise by 0 .. 0.04
 MET = const(1)  # of ``met``: it has met ground higher than planned
 MET_NOW = const(2)  # in this tick, whose goals are not led
 
@@ -140,14 +140,15 @@ def count_held(params: Params, walk: Trot, leg: int) -> None:
     if speed < 0:
         speed = -speed
         seen = -seen
-    up = climbs(params, walk)
     count = jams[leg] - 1
-    if state.high_left and (held[leg] or seen * 3 < speed) and (up == 0 or seen < speed):
-        count += 3
     walk.tops[leg] = swing_top(params, walk, leg)
     walk.frees[leg] = 0
-    if state.high_left and params.lateral_q12 and up == 0:
-        walk.frees[leg] = held[leg]
+    if state.high_left and (held[leg] or seen * 3 < speed):
+        up = climbs(params, walk)
+        if up == 0 or seen < speed:
+            count += 3
+        if params.lateral_q12 and up == 0:
+            walk.frees[leg] = held[leg]
     if walk.tops[leg ^ 1] >= params.trot.highest_lift:
         walk.frees[leg] = 0
     count_row(walk, leg)
@@ -172,17 +173,14 @@ def count_row(walk: Trot, leg: int) -> None:
 
     Not once it goes down: after a step down, the feet of slow drives lag in high swings as if they were.
     """
-    state = walk.state
     rows = walk.rows
-    rise = state.slope_q20.x
-    if state.foot_speed.x < 0:
-        rise = -rise
-    if walk.held[leg] == 0 or state.foot_speed.x == 0:
-        rows[leg >> 1] = 0
-    elif rise < -_DOWN_Q20:
-        rows[leg >> 1] = -_SWINGS_MAX
-    else:
-        rows[leg >> 1] = saturate(rows[leg >> 1] + 1, -_SWINGS_MAX, _SWINGS_MAX)
+    pair = leg >> 1
+    if walk.held[leg] == 0 or walk.state.foot_speed.x == 0:
+        rows[pair] = 0
+    elif rise_q20(walk) < -_DOWN_Q20:
+        rows[pair] = -_SWINGS_MAX
+    elif rows[pair] < _SWINGS_MAX:
+        rows[pair] += 1
 
 
 @hot

@@ -30,7 +30,7 @@ class Rule:
         ``rounded`` is what integers felt: it decides where that is too near to a limit for floats to contradict.
         """
         share = 1.0 if risen and not self.carries else TICK_S / (EVENED_S + TICK_S)
-        self.felt += (min(max(carried, -1.0), 2.0) - self.felt) * share
+        self.felt += (carried - self.felt) * share
         assert rounded == pytest.approx(self.felt, abs=BOUND)
         if not self.carries:
             self.carries = rounded >= 0.5 and (risen or stands)
@@ -42,11 +42,6 @@ class Rule:
     def told(self, mode):
         if mode in (c.MODE_LIMP, c.MODE_SIT) or (mode == c.MODE_STAND and self.carries):
             self.lifted = False
-
-
-def felt_next(felt_q12, weight, share_q10):
-    """Return what is felt after a tick, in the core's integers."""
-    return felt_q12 + ((round(4096 * min(max(weight, -1.0), 2.0)) - felt_q12) * share_q10 >> 10)
 
 
 def weights(dice, count):
@@ -79,7 +74,8 @@ def test_who_is_lifted(seed):
         stands = status.state == n.STANDING
         watch_weight(planner)
         share_q10 = 1024 if risen and not rule.carries else 5120 // 55  # at 50 Hz
-        begins = rule.feel(weight, risen, stands, felt_next(felt, weight, share_q10) / 4096)
+        told = min(max(weight, -1.0), 2.0)  # a tick tells no more
+        begins = rule.feel(told, risen, stands, (felt + ((round(4096 * told) - felt) * share_q10 >> 10)) / 4096)
         if begins:
             assert (status.state, bool(status.flags & n.LIFTED)) == (n.RISING, True)
             began += 1

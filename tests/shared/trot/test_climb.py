@@ -9,7 +9,7 @@ from shared.record import copy, pack
 from shared.sense.legs import MeasuredFeet
 from shared.sense.odometry import Odometry
 from shared.trot.clock import go_on
-from shared.trot.ground import climbs
+from shared.trot.ground import climbs, rise_q20
 from shared.trot.react import MET, MET_NOW, count_held, count_row, lift_on, swing_top
 from shared.trot.state import CYCLE_Q20, Trot
 from shared.trot.trot import trot_start
@@ -31,6 +31,7 @@ def test_it_climbs_where_the_ground_rises_along_the_way(pair, way):
     state.foot_speed.x, state.uneven_q4 = way * 1000, UNEVEN_Q4
     for slope_q20 in range(-314573, 314574, 997):
         state.slope_q20.x = slope_q20
+        assert rise_q20(pair.walk) == slope_q20 * (way or 1)
         assert climbs(pair.params, pair.walk) == (slope_q20 * (way or 1) / 2**20 > 0.1)
 
 

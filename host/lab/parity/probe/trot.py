@@ -175,6 +175,7 @@ PROBES = (
     _probe("level_z", ground, (WALK, LEG), (), fit=_leg_moving),
     _probe("ground_z", ground, (WALK, PLACE, PLACE), (), fit=_done),
     _probe("follow_uneven", ground, (ROBOT, WALK, SHARE), (WALK.state,)),
+    _probe("rise_q20", ground, (WALK,), (), fit=_done),
     _probe("climbs", ground, (ROBOT, WALK), ()),
     _probe("lift_on", react, (ROBOT, WALK)),
     _probe("count_high", react, (ROBOT, WALK)),
