@@ -7,25 +7,30 @@ from .kinematics_si import Vector
 from .model import Robot
 from .poses import leg_to_rad
 
-_LEG = 1
+_FRONT, _HIND = 1, 3  # the left legs; right ones mirror them
 _HALVINGS = 16  # of a range: 1.5e-5 of it is left
 
 
-def poses_rad(robot: Robot, way_m: Sequence[tuple[float, float]]) -> list[Vector] | None:
-    """Return the joints of the front left leg along a way of its foot, x ahead and z up of rest; None out of reach."""
-    x, y, z = robot.foot_m(_LEG, robot.stance.rest_height_m)
+def unlike_legs(robot: Robot) -> tuple[int, ...]:
+    """Return one leg of each shape: front left, and hind left if its knee bends the other way."""
+    return (_FRONT,) if robot.knee_sign(_FRONT) == robot.knee_sign(_HIND) else (_FRONT, _HIND)
+
+
+def poses_rad(robot: Robot, leg: int, way_m: Sequence[tuple[float, float]]) -> list[Vector] | None:
+    """Return the joints of a leg along a way of its foot, x ahead and z up of rest; None out of reach."""
+    x, y, z = robot.foot_m(leg, robot.stance.rest_height_m)
     poses = []
     for ahead, up in way_m:
-        pose = leg_to_rad(robot, _LEG, (x + ahead, y, z + up))
+        pose = leg_to_rad(robot, leg, (x + ahead, y, z + up))
         if pose is None:
             return None
         poses.append(pose)
     return poses
 
 
-def within_limits(robot: Robot, poses: Sequence[Vector]) -> bool:
-    """Return whether all joints stay within the limits of the front left leg."""
-    limits = robot.joint_limits_rad(_LEG)
+def within_limits(robot: Robot, leg: int, poses: Sequence[Vector]) -> bool:
+    """Return whether all joints stay within the limits of a leg."""
+    limits = robot.joint_limits_rad(leg)
     return all(low <= q <= high for pose in poses for q, (low, high) in zip(pose, limits, strict=True))
 
 

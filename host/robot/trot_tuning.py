@@ -15,7 +15,7 @@ from .drives import friction_bands, joint_drives
 from .kinematics_si import Vector
 from .mass import com_at_rest_m
 from .model import JOINT_NAMES, Robot
-from .swings import asked_speeds, most, poses_rad, within_limits
+from .swings import asked_speeds, most, poses_rad, unlike_legs, within_limits
 
 GAIT = "trot"  # whose figures these are
 LOW_LIFT, HIGH_LIFT = 0.08, 0.30  # of the leg: top of a swing on even ground, and after a foot met something
@@ -41,11 +41,13 @@ LOAD_SHARE = 0.15  # of a stance, in which half of the weight shifts onto the fo
 HELD_PUSH = 0.285  # of the weight: a foot in the air that pushes so hard is held up; stiff legs push before they lag
 TURN_LATE_S = 0.05  # that a foot in the air may be late in a turn, where the two feet of a diagonal go different ways
 LATE_PER_S = 25.0  # growth of a foot's allowed lag per second of bus delay, as a share, while the foot moves ahead
+LATE_UNLIKE = 4.0  # the same share where front and hind knees bend unlike: knee legs need faster joints, and lag more
 HIGH_LENGTHS = 1.5  # of the body: the way for which swings stay high after a foot met something
 HIGH_SPEED = 0.35  # of the leg per cycle: top speed meanwhile
 LATE_FROUDE = 0.12  # of sqrt(g h): the same for a robot whose drives are too slow for such swings (slow servos)
 HIGH_SLOWEST_M_S = 0.05  # slower counts as this for that way
 SWING_ASKS = 1.5  # times a drive's no-load speed is the most that a swing's goals may demand: lag rounds them off
+HIND_ASKS = 1.0  # the same of an elbow-knee robot: with more its hind feet, which need faster joints, lag behind
 STEP_LEG = 0.16  # of the leg: the highest step that every robot should walk up
 SWING_POINTS = 25  # of a swing are checked for that
 FROUDE_SPEED = 0.4  # of sqrt(g h): no robot was tried at a higher speed
@@ -172,7 +174,8 @@ def able(robot: Robot) -> tuple[float, str]:
     figures = trot_figures(robot)
     froude_m_s = FROUDE_SPEED * sqrt(GRAVITY_M_S2 * figures.height_m)
     lift_m = figures.own["low_lift"] * figures.leg_m
-    speed_m_s = most(froude_m_s, lambda v: max(_asked(robot, figures, v, lift_m)) <= SWING_ASKS)
+    asks = HIND_ASKS if robot.geometry.knee_configuration == "elbow-knee" else SWING_ASKS
+    speed_m_s = most(froude_m_s, lambda v: max(_asked(robot, figures, v, lift_m)) <= asks)
     if speed_m_s == froude_m_s:
         return froude_m_s, f"{FROUDE_SPEED:g} sqrt(g h), the highest that was tried"
     return speed_m_s, _too_slow(_asked(robot, figures, speed_m_s * 1.01 + 0.001, lift_m))
@@ -184,9 +187,11 @@ def highest_lift_m(robot: Robot) -> tuple[float, str]:
     speed_m_s, wanted_m = min(figures.climbing_m_s, able(robot)[0]), figures.own["high_lift"] * figures.leg_m
 
     def can(lift_m: float) -> bool:
-        poses = poses_rad(robot, figures.swing(0.0, lift_m))
-        fits = poses is not None and within_limits(robot, poses)
-        return fits and max(_asked(robot, figures, speed_m_s, lift_m)) <= SWING_ASKS
+        for leg in unlike_legs(robot):
+            poses = poses_rad(robot, leg, figures.swing(0.0, lift_m))
+            if poses is None or not within_limits(robot, leg, poses):
+                return False
+        return max(_asked(robot, figures, speed_m_s, lift_m)) <= SWING_ASKS
 
     lift_m = most(wanted_m, can)
     if lift_m == wanted_m:
@@ -209,9 +214,14 @@ def can_lift(robot: Robot, figures: TrotFigures, pace: float) -> bool:
 
 
 def _asked(robot: Robot, figures: TrotFigures, speed_m_s: float, lift_m: float) -> Vector:
-    """Return the drive speeds that a swing demands; infinite out of reach."""
-    poses = poses_rad(robot, figures.swing(speed_m_s, lift_m))
-    return (inf, inf, inf) if poses is None else asked_speeds(robot, poses, figures.swing_s)
+    """Return the drive speeds that a swing demands of the leg that needs most; infinite out of reach."""
+    asked = []
+    for leg in unlike_legs(robot):
+        poses = poses_rad(robot, leg, figures.swing(speed_m_s, lift_m))
+        if poses is None:
+            return inf, inf, inf
+        asked.append(asked_speeds(robot, poses, figures.swing_s))
+    return max(asked, key=max)
 
 
 def _too_slow(asked: Vector) -> str:
@@ -260,7 +270,8 @@ def fill_trot(params: Params, robot: Robot) -> None:
     setup.highest_lift = round(HIGHEST_LIFT * f.leg_m * unit)
     setup.turn_side = round(2 * abs(f.rests_m[0][1]) * TURN_LATE_S * rate * unit / 256)
     setup.pushes = round(HELD_PUSH * f.gives_m * unit)
-    setup.late_q8 = round(256 * LATE_PER_S * robot.bus.delay_s)
+    late = LATE_PER_S * robot.bus.delay_s
+    setup.late_q8 = round(256 * (late if len(unlike_legs(robot)) == 1 else max(late, LATE_UNLIKE)))
     setup.high_way = round(HIGH_LENGTHS * f.length_m * fine)
     setup.high_speed = round(high_speed_m_s(robot) / rate * fine)
     setup.high_slowest = round(HIGH_SLOWEST_M_S / rate * fine)

@@ -6,10 +6,12 @@ import pytest
 
 from host.robot.ability import ability, cannot
 from host.robot.file import load_robot, robot_names
+from host.robot.model import KNEE_CONFIGURATIONS
 from host.robot.statics import push_on_two_N, pushes_on_four_N, sag_m, torques_Nm
 from host.robot.swings import asked_speeds, most, poses_rad, within_limits
 from host.robot.trot_tuning import SWING_ASKS, able, highest_lift_m, trot_figures
 from tests import ROOT
+from tests.shared.robots import variant
 
 G_M_S2 = 9.81
 
@@ -71,27 +73,35 @@ def test_what_limits_is_named_and_is_at_its_limit():
     figures = trot_figures(robot)
     speed_m_s, why = able(robot)
     assert why == "the thigh's speed"
-    poses = poses_rad(robot, figures.swing(speed_m_s, 0.08 * figures.leg_m))
+    poses = poses_rad(robot, 1, figures.swing(speed_m_s, 0.08 * figures.leg_m))
     asked = asked_speeds(robot, poses, figures.swing_s)
     assert asked.index(max(asked)) == 1
     assert max(asked) == pytest.approx(SWING_ASKS, rel=0.01)
     assert highest_lift_m(robot)[1] == "the calf's speed"
 
 
+@pytest.mark.parametrize("name", ["caramelo", "spotmicro"])
+def test_legs_of_two_shapes_are_as_fast_as_the_slower_ones(name):
+    """Knee legs need faster joints than elbow legs do, ahead; elbow-knee robots are kept from making them lag."""
+    fastest = {each: able(variant(name, knee_configuration=each))[0] for each in KNEE_CONFIGURATIONS}
+    assert fastest["knee-elbow"] == fastest["full-knee"] < 0.9 * fastest["full-elbow"]
+    assert fastest["elbow-knee"] < 0.7 * fastest["knee-elbow"]
+
+
 def test_speeds_asked_are_those_of_a_hand_calculation():
     """A foot below its hip that goes 1 mm ahead in 1 ms turns leg and knee by 1 mm over 0.17 m: 5.9 rad/s."""
     robot = load_robot("caramelo")
     way = [(-0.0005, 0.0), (0.0005, 0.0)]
-    _, thigh, calf = asked_speeds(robot, poses_rad(robot, way), 0.001)
+    _, thigh, calf = asked_speeds(robot, poses_rad(robot, 1, way), 0.001)
     assert thigh * robot.actuator.fastest_rad_s == pytest.approx(1 / 0.170, rel=0.01)
     assert calf == pytest.approx(0.0, abs=0.01)
 
 
 def test_a_foot_beyond_its_reach_or_limits_is_told():
     robot = load_robot("caramelo")
-    assert within_limits(robot, poses_rad(robot, [(0.0, 0.0), (0.0, 0.06)]))
-    assert not within_limits(robot, poses_rad(robot, [(0.0, 0.0), (0.0, 0.07)]))
-    assert poses_rad(robot, [(0.0, 0.0), (0.3, 0.0)]) is None
+    assert within_limits(robot, 1, poses_rad(robot, 1, [(0.0, 0.0), (0.0, 0.06)]))
+    assert not within_limits(robot, 1, poses_rad(robot, 1, [(0.0, 0.0), (0.0, 0.07)]))
+    assert poses_rad(robot, 1, [(0.0, 0.0), (0.3, 0.0)]) is None
 
 
 def test_most_is_the_edge():

@@ -16,6 +16,7 @@ from host.sim.export.ground import extrude
 from host.sim.export.mjcf import STOP_MARGIN_RAD, ModelOptions, joint_names, mjcf
 from host.sim.grounds import GroundSpec, make_ground
 from sim2d import terrain
+from tests.shared.robots import variant
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
 np = pytest.importorskip("numpy")
@@ -23,16 +24,10 @@ np = pytest.importorskip("numpy")
 ROBOTS = ("caramelo", "parallel")
 
 
-def with_knees(name, configuration):
-    robot = load_robot(name)
-    return robot.model_copy(update={"geometry": robot.geometry.model_copy(
-        update={"knee_configuration": configuration})})
-
-
 @pytest.mark.parametrize("name", ROBOTS)
 @pytest.mark.parametrize("knees", KNEE_CONFIGURATIONS)
 def test_feet_are_where_the_kinematics_put_them(name, knees):
-    robot = with_knees(name, knees)
+    robot = variant(name, knee_configuration=knees)
     model = mujoco.MjModel.from_xml_string(mjcf(robot, ModelOptions(on_a_stand=True)))
     data = mujoco.MjData(model)
     assert float(model.body_mass.sum()) == pytest.approx(robot.mass_kg)
@@ -144,7 +139,7 @@ def test_a_turned_slab_keeps_its_length():
 @pytest.mark.parametrize("ground", ["flat", "gravel"])
 def test_it_loads_at_rest_within_its_limits_and_stands(name, knees, ground):
     """It loaded with straight legs, outside of their limits."""
-    robot = with_knees(name, knees)
+    robot = variant(name, knee_configuration=knees)
     options = ModelOptions(make_ground(GroundSpec(ground)))
     model = mujoco.MjModel.from_xml_string(mjcf(robot, options))
     data = mujoco.MjData(model)
