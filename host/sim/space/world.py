@@ -30,9 +30,14 @@ _GROUND, _TRUNK, _LIMB, _FOOT = 1, 2, 3, 10
 
 
 class World:
-    """One robot on one ground. ``bus_delay_s``: how late goals act."""
+    """One robot on one ground. ``bus_delay_s``: how late goals act.
+
+    A step of the simulation is at most ``options.dt_s``: as much less as makes a control period a whole number of them.
+    """
 
     def __init__(self, robot: Robot, options: ModelOptions, rate_hz: int, *, bus_delay_s: float = 0.02) -> None:
+        self._steps_per_tick = math.ceil(1 / (rate_hz * options.dt_s) - 1e-9)
+        options = replace(options, dt_s=1 / (rate_hz * self._steps_per_tick))
         self.robot, self.options, self.rate_hz, kind = robot, options, rate_hz, robot.simulation
         made = replace(options, at_rest=False, honest=kind.honest, self_collision=kind.honest and kind.self_collision)
         self.model = mujoco.MjModel.from_xml_string(mjcf(robot, made))
@@ -50,7 +55,6 @@ class World:
         self._kind = self._kinds()
         if kind.honest and kind.ground_N_m:
             self._soften(kind.ground_N_m)
-        self._steps_per_tick = round(1 / rate_hz / options.dt_s)
         self._delay_steps = round(bus_delay_s / options.dt_s)
         self._sent: deque[tuple[int, Array]] = deque()
         self._step = 0

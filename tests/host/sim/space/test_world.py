@@ -15,12 +15,23 @@ from host.sim.export.ground import Ground
 from host.sim.export.mjcf import ModelOptions
 from host.sim.grounds import GroundSpec, make_ground
 from host.sim.imu import SimulatedImu
-from host.sim.space.walk import figures, walk_in_space
+from host.sim.space.walk import FAST, figures, walk_in_space
 from host.sim.space.world import World
 from host.sim.walk import WalkSpec
 
 ROBOT = load_robot("caramelo")
 FLAT = Ground("flat")
+
+
+@pytest.mark.parametrize("rate_hz", [20, 50, 60, 125, 200, 300, 500])
+def test_a_second_has_as_many_ticks_as_its_rate(rate_hz):
+    """At 200 Hz a tick is 2.5 of the usual steps: rounded to 2, a second of the robot took 0.8 s of the world."""
+    world = World(ROBOT, ModelOptions(FLAT, dt_s=FAST[0]), rate_hz)
+    for _ in range(rate_hz):
+        world.advance()
+    assert world.time_s == pytest.approx(1.0)
+    assert world.data.time == pytest.approx(1.0)
+    assert world.options.dt_s <= FAST[0]
 
 
 def test_a_simple_drive_sags_as_the_servo_law_says_and_then_stays():
