@@ -9,8 +9,11 @@ from difflib import get_close_matches
 from math import pi
 
 from shared.body.crawl_setup import CrawlSetup
-from shared.body.params import FR, LEGS, LF_BITS, RR, Leg, Params
+from shared.body.params import FR, LEGS, LF_BITS, RR, THIGH, Leg, Params
 from shared.num.fixed import cos_q15, hypot, isqrt
+
+from .drives import joint_drives
+from .model import Robot
 
 _LEG_MM = 240  # the leg that the table's lengths belong to
 _STRIDE_MM = 90  # the longest
@@ -29,6 +32,9 @@ _UNITS = {
 }
 _NUMBERS = {name: place for name, place in CrawlSetup.FIELDS if place.default}  # type: ignore[attr-defined]
 _KEYS = {name.removesuffix(_UNITS[place.unit][0]) + _UNITS[place.unit][1]: name for name, place in _NUMBERS.items()}
+# Damping of the body's sway from which the pose loop has the table's gains: with them Parallel (10.4) stands still, and
+# A1 (7.3) swayed until it fell
+_CALM_1_S = 10.0
 _MOST_LAG_S = 0.062  # the core keeps the goals of 31 ticks, at up to 500 Hz
 
 
@@ -48,16 +54,18 @@ def crawl_complaints(given: Mapping[str, float], leg_m: float) -> Iterator[tuple
             yield f"crawl.{key}", value, f"{low:.4g} .. {high:.4g}, a quarter to twice the usual {usual:.4g}"
 
 
-def fill_crawl(params: Params, given: Mapping[str, float], leg_m: float) -> None:
+def fill_crawl(params: Params, robot: Robot) -> None:
     """Write the crawl's numbers into parameters that already have rate, legs and leg length."""
+    given, leg_m = robot.crawl, robot.geometry.leg_m
     for name, place in _NUMBERS.items():
         setattr(params.crawl, name, _scaled(place.default * 1000, place.unit, params.leg_length, params.rate_hz))
+    _shape(params)
+    _calm(params, robot)
     for key, value in given.items():
         place = _NUMBERS[_KEYS[key]]
         thousandths = round(1000 * value / _one(place.unit, leg_m))
         integer = _scaled(thousandths, place.unit, params.leg_length, params.rate_hz)
         setattr(params.crawl, _KEYS[key], integer)
-    _shape(params)
 
 
 def _one(unit: str, leg_m: float) -> float:
@@ -99,6 +107,18 @@ def _shape(params: Params) -> None:
     crawl.reach = straight - straight // 49
     crawl.swing_reach = straight - straight // 240
     crawl.folded = max(near + near // 72 for _, near in bends)
+
+
+def _calm(params: Params, robot: Robot) -> None:
+    """Lower the gains of the pose loop where the body sways on: in the proportion in which its drives damp it less.
+
+    Three legs whose drives damp by D carry a mass m at a height h, whose sway is damped by d = 3 D / (m h^2). An
+    integral of 1 / 333 ms is stable only below d (Routh), and the loop's delay takes some of that.
+    """
+    height_m = params.crawl.height / (1 << params.length_shift)
+    damping = 3 * joint_drives(robot)[THIGH].damping_Nms_rad / (robot.mass_kg * height_m**2)
+    for name in ("error_q15", "integral_q15"):
+        setattr(params.crawl, name, round(getattr(params.crawl, name) * min(1.0, damping / _CALM_1_S)))
 
 
 def _bend(leg: Leg) -> tuple[int, int]:

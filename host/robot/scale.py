@@ -104,7 +104,7 @@ Raises UserError, naming the key, if a value of the file does not fit at this ra
         _leg(params, robot, scale, leg)
     _compliance(params, robot, scale)
     params.tilt_max, params.tilt_ticks = brad(robot.gait.fallen_rad), max(1, round(FALLEN_S * scale.rate_hz))
-    fill_crawl(params, robot.crawl, robot.geometry.leg_m)
+    fill_crawl(params, robot)
     fill_trot(params, robot)
     if planar:
         params.lateral_q12 = params.trot.heading_q16 = 0

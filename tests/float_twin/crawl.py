@@ -106,15 +106,16 @@ def quintic(u):
 class PoseLoop:
     """One axis of the slow loop that brings the measured pose to the wanted one."""
 
-    def __init__(self, start, lag, gain, limit):
-        self.lagged, self.integral, self.lag, self.gain, self.limit = start, 0.0, lag, gain, limit
+    def __init__(self, start, lag, share, gain, limit):
+        self.lagged, self.integral = start, 0.0
+        self.lag, self.share, self.gain, self.limit = lag, share, gain, limit
 
     def step(self, wanted, measured):
         """Return the pose to command in this tick."""
         self.lagged += self.lag * (wanted - self.lagged)
         error = self.lagged - measured
         self.integral = self.clip(self.integral + self.gain * error)
-        return wanted + self.clip(0.3 * error + self.integral)
+        return wanted + self.clip(self.share * error + self.integral)
 
     def clip(self, value):
         """Return value within the loop's limit."""

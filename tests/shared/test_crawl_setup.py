@@ -5,6 +5,7 @@ import math
 import pytest
 
 from host.robot import crawl_tuning
+from host.robot.drives import joint_drives
 from host.robot.scale import brad, core_params
 from shared.body.crawl_setup import CrawlSetup
 from shared.record import pack
@@ -23,6 +24,21 @@ def settings(name, rate_hz, knees="full-elbow"):
     params = core_params(robot(name, knees), rate_hz)
     unit_m = 2.0 ** -params.length_shift
     return crawl_si(params), unit_m, params.leg_length * unit_m
+
+
+def calm(name, height_m):
+    """Return the share of the pose loop's gains: the sway's damping of three legs, per 10 / s, at most 1."""
+    made = robot(name)
+    return min(1.0, 3 * joint_drives(made)[1].damping_Nms_rad / (made.mass_kg * height_m**2) / 10.0)
+
+
+def test_the_longer_a_robot_sways_the_less_its_pose_loop_corrects():
+    """Caramelo and Parallel take the table's gains; a leg of 1 m, of which Parallel's drives damp little, a tenth."""
+    shares = {name: core_params(robot(name), 50).crawl.error_q15 / (0.3 * 32768) for name in NAMES}
+    assert (shares["caramelo"], shares["parallel"]) == pytest.approx((1.0, 1.0), abs=1e-4)
+    for name in NAMES:
+        assert shares[name] == pytest.approx(calm(name, settings(name, 50)[0].height), abs=1e-3), name
+    assert shares["long-leg"] < 0.15
 
 
 @pytest.mark.parametrize("rate_hz", RATES)
@@ -45,6 +61,7 @@ def test_every_robot_crawls_as_caramelo_in_proportion_to_its_leg_at_every_rate(n
         assert getattr(found, time) == pytest.approx(seconds * rate_hz, abs=rounding), time
     for gain in TUNED["Q15 / tick"]:
         exact = min(1.0, getattr(first, gain) * 500 / rate_hz)
+        exact *= calm(name, found.height) if gain == "integral_q15" else 1.0
         assert getattr(found, gain) == pytest.approx(exact, abs=1 / 32768 + exact / 60), gain
 
 

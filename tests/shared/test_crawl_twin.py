@@ -239,11 +239,11 @@ def test_the_pose_loop_follows_its_twin_for_five_seconds(crawl):
     c.support.weight_q12 = 4096
     for axis in range(6):
         c.path.lagged[axis] = c.path.wanted[axis]
-    lag, gain = k.lag_q15 / 32768, k.integral_q15 / 32768
+    lag, share, gain = k.lag_q15 / 32768, k.error_q15 / 32768, k.integral_q15 / 32768
     units = (FINE_M,) * 3 + (2 * math.pi / (1 << 24),) * 3
     limits = (k.position_limit << 8,) * 3 + (k.angle_limit << 8,) * 3
     started = [c.path.wanted[axis] * units[axis] for axis in range(6)]
-    loops = [twin.PoseLoop(started[axis], lag, gain, limits[axis] * units[axis]) for axis in range(6)]
+    loops = [twin.PoseLoop(started[axis], lag, share, gain, limits[axis] * units[axis]) for axis in range(6)]
     for tick in range(250):
         for axis in range(6):
             swing_of = 0.02 * math.sin(tick / (20 + 7 * axis))

@@ -6,6 +6,7 @@ backwards, sideways, turning and a payload.
 
 from math import hypot
 
+import numpy as np
 import pytest
 
 pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
@@ -16,7 +17,7 @@ from host.robot.file import load_robot, robot_names
 from host.robot.poses import rest_pose_rad
 from host.robot.trot_tuning import trot_figures
 from host.sim.export.mjcf import ModelOptions
-from host.sim.space.walk import SpaceWalker
+from host.sim.space.walk import SpaceWalker, walk_in_space
 from host.sim.space.world import World
 from host.sim.walk import WalkSpec
 
@@ -41,6 +42,15 @@ def walks(name, *speed, tilt_deg=5.0, share=0.05, **more):
 def test_every_robot_walks_as_fast_as_the_check_states(name):
     """Parallel, which walks faster with less, rolls 5.8 deg at this speed."""
     walks(name, ability(load_robot(name)).flat_m_s, tilt_deg=6.0 if name == "parallel" else 5.0)
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_every_robot_crawls(name):
+    """On level ground, over the first steps of all four legs: A1 swayed in its soft joints until it fell."""
+    walk = walk_in_space(WalkSpec(load_robot(name), "crawl", speed_m_s=0.02, distance_m=0.12))
+    assert walk.outcome.kind == "arrived", walk.outcome.sentence
+    roll_deg, pitch_deg, _ = np.degrees(np.ptp(walk.attitude_rad, axis=0))
+    assert max(roll_deg, pitch_deg) < 7.0
 
 
 def without_dry_friction(robot):
