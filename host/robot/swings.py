@@ -3,17 +3,18 @@
 from collections.abc import Callable, Sequence
 from itertools import pairwise
 
+from shared.body.params import FL, RL
+
 from .kinematics_si import Vector
 from .model import Robot
 from .poses import leg_to_rad
 
-_FRONT, _HIND = 1, 3  # the left legs; right ones mirror them
 _HALVINGS = 16  # of a range: 1.5e-5 of it is left
 
 
-def unlike_legs(robot: Robot) -> tuple[int, ...]:
-    """Return one leg of each shape: front left, and hind left if its knee bends the other way."""
-    return (_FRONT,) if robot.knee_sign(_FRONT) == robot.knee_sign(_HIND) else (_FRONT, _HIND)
+def leg_of_each_shape(robot: Robot) -> tuple[int, ...]:
+    """Return one leg of each shape: front left, and rear left if its knee bends the other way."""
+    return (FL,) if robot.knee_sign(FL) == robot.knee_sign(RL) else (FL, RL)
 
 
 def poses_rad(robot: Robot, leg: int, way_m: Sequence[tuple[float, float]]) -> list[Vector] | None:

@@ -15,7 +15,7 @@ from .drives import friction_bands, joint_drives
 from .kinematics_si import Vector
 from .mass import com_at_rest_m
 from .model import JOINT_NAMES, Robot
-from .swings import asked_speeds, most, poses_rad, unlike_legs, within_limits
+from .swings import asked_speeds, leg_of_each_shape, most, poses_rad, within_limits
 
 GAIT = "trot"  # whose figures these are
 LOW_LIFT, HIGH_LIFT = 0.08, 0.30  # of the leg: top of a swing on even ground, and after a foot met something
@@ -187,7 +187,7 @@ def highest_lift_m(robot: Robot) -> tuple[float, str]:
     speed_m_s, wanted_m = min(figures.climbing_m_s, able(robot)[0]), figures.own["high_lift"] * figures.leg_m
 
     def can(lift_m: float) -> bool:
-        for leg in unlike_legs(robot):
+        for leg in leg_of_each_shape(robot):
             poses = poses_rad(robot, leg, figures.swing(0.0, lift_m))
             if poses is None or not within_limits(robot, leg, poses):
                 return False
@@ -216,7 +216,7 @@ def can_lift(robot: Robot, figures: TrotFigures, pace: float) -> bool:
 def _asked(robot: Robot, figures: TrotFigures, speed_m_s: float, lift_m: float) -> Vector:
     """Return the drive speeds that a swing demands of the leg that needs most; infinite out of reach."""
     asked = []
-    for leg in unlike_legs(robot):
+    for leg in leg_of_each_shape(robot):
         poses = poses_rad(robot, leg, figures.swing(speed_m_s, lift_m))
         if poses is None:
             return inf, inf, inf
@@ -270,8 +270,8 @@ def fill_trot(params: Params, robot: Robot) -> None:
     setup.highest_lift = round(HIGHEST_LIFT * f.leg_m * unit)
     setup.turn_side = round(2 * abs(f.rests_m[0][1]) * TURN_LATE_S * rate * unit / 256)
     setup.pushes = round(HELD_PUSH * f.gives_m * unit)
-    late = LATE_PER_S * robot.bus.delay_s
-    setup.late_q8 = round(256 * (late if len(unlike_legs(robot)) == 1 else max(late, LATE_UNLIKE)))
+    unlike = len(leg_of_each_shape(robot)) > 1
+    setup.late_q8 = round(256 * max(LATE_PER_S * robot.bus.delay_s, LATE_UNLIKE if unlike else 0.0))
     setup.high_way = round(HIGH_LENGTHS * f.length_m * fine)
     setup.high_speed = round(high_speed_m_s(robot) / rate * fine)
     setup.high_slowest = round(HIGH_SLOWEST_M_S / rate * fine)
