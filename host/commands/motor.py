@@ -5,8 +5,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..util.console import print_table, progress, tell_written, write_json
+from ..util.console import print_table, tell_written, write_json
 from ..util.errors import NOT_ACHIEVED
+from ..util.progress import cases
 from ._options import Json
 
 if TYPE_CHECKING:
@@ -21,7 +22,10 @@ RobotOption = Annotated[str, typer.Option(help="A robot with brushless joints: i
 @GROUP.command("sim")
 def sim(
     scenario: Annotated[
-        str | None, typer.Option(help="step, sine, glitches, stall, current, closed-loop, commission, or fault-NAME.")
+        str | None,
+        typer.Option(
+            help="step, sine, glitches, stall, current-locked, current-held, closed-loop, commission, or fault-NAME."
+        ),
     ] = None,
     robot: RobotOption = "parallel",
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write a picture of each scenario here.")] = None,
@@ -35,17 +39,17 @@ def sim(
     Examples: caramelo motor sim; caramelo motor sim --scenario step --out out/motor;
     caramelo motor sim --scenario fault-bus-sag --json
     """
-    from ..sim.motor.scenarios import names, run_scenario
+    from ..sim.motor.scenarios import chosen, run_scenario
     from ..util.files import check_folder
 
     check_folder("--out", out)
     bldc = _joint_of(robot)
-    wanted = [scenario] if scenario else names()
+    wanted = chosen(scenario)
     results: list[Result] = []
-    with progress("simulated joint", float(len(wanted))) as show:
-        for number, name in enumerate(wanted):
+    with cases("simulated joint") as tell:
+        for number, name in enumerate(wanted, 1):
+            tell(number, len(wanted), name)
             results.append(run_scenario(bldc, name))
-            show(float(number + 1))
     figures = {result.name: result.figures for result in results}
     if scenario is None:
         from ..lab.motor_accuracy import accuracy

@@ -173,7 +173,7 @@ def reachable_heights(robot: Robot) -> str:
 
 
 def servo_is_consistent(servo: Servo) -> Iterator[Complaint]:
-    """The supply points rise, and one has the nominal voltage."""
+    """The supply points rise, with no less torque or speed at more voltage, and one has the nominal voltage."""
     voltages = [point.voltage_V for point in servo.supply]
     if not voltages:
         yield "actuator.supply", [], "at least one [[actuator.supply]] table"
@@ -182,6 +182,10 @@ def servo_is_consistent(servo: Servo) -> Iterator[Complaint]:
         yield "actuator.supply", voltages, "tables in order of rising voltage_V"
     elif servo.nominal_voltage_V not in voltages:
         yield "actuator.nominal_voltage_V", servo.nominal_voltage_V, f"one of the supply's voltages {voltages}"
+    for key in ("stall_Nm", "no_load_rpm"):
+        values = [getattr(point, key) for point in servo.supply]
+        if values != sorted(values):
+            yield "actuator.supply", values, f"no less {key} at more voltage_V"
 
 
 def joint_is_consistent(joint: Bldc) -> Iterator[Complaint]:

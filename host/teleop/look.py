@@ -42,6 +42,6 @@ def seen_on_socket(where: str, seconds: float) -> Seen:
                     return said["hello"][0], said["status"][0], said["status"][-1]
     except PermissionError:
         raise UserError(f"{where}: only the user who started the drive and root may ask: use sudo") from None
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, OverflowError, ValueError, KeyError) as error:
         raise UserError(f"{where}: no drive answers there: {error}", NOT_ACHIEVED) from None
     raise UserError(f"{where}: the drive hung up", NOT_ACHIEVED)

@@ -69,8 +69,10 @@ def atomic_path(path: Path) -> Iterator[Path]:
     """Yield a hidden path with the same ending to write to; it becomes ``path`` if the block ends well.
 
     Any exception, Ctrl-C included, leaves an older ``path`` as it was. Missing folders are made.
-    UserError if the system refuses.
+    UserError if the system refuses, or if ``path`` is a folder's by its form.
     """
+    if not path.name:
+        raise UserError(f"{path}: names no file to write: give it a name")
     draft = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
     with writing(path):
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -307,6 +307,8 @@ def test_a_file_where_a_folder_belongs_is_one_line(tmp_path):
     (tmp_path / "folder").mkdir()
     with pytest.raises(UserError, match="can't be written: Is a directory"):
         write_text(tmp_path / "folder", "x")
+    with pytest.raises(UserError, match=r"\.: names no file to write"):
+        write_text(Path(""), "x")
     assert sorted(os.listdir(tmp_path)) == ["file", "folder"]
 
 

@@ -15,6 +15,7 @@ import struct
 import threading
 import time
 from collections import deque
+from ipaddress import ip_address
 from typing import Any
 
 import can
@@ -68,8 +69,8 @@ class AdapterPort(Port):
             options["tty_baudrate"] = SERIAL_BAUD
         if interface == "gs_usb":
             options["index"] = options["channel"] = _number(channel)
-        if interface == "udp_multicast" and channel == "default":
-            options["channel"] = MULTICAST
+        if interface == "udp_multicast":
+            options["channel"] = _multicast(channel)
         if interface != "virtual":
             options["receive_own_messages"] = False
         if interface == "slcan":
@@ -228,6 +229,18 @@ def _first_socket(channel: str) -> socket.socket:
         first.close()
         raise
     return first
+
+
+def _multicast(channel: str) -> str:
+    """Return the group's address; python-can would hand a number or an empty name to the resolver as it is."""
+    group = MULTICAST if channel == "default" else channel
+    try:
+        good = ip_address(group).is_multicast
+    except ValueError:
+        good = False
+    if not good:
+        raise UserError(f"--channel {channel}: with udp_multicast give default, or a multicast address as {MULTICAST}")
+    return group
 
 
 def _number(channel: str) -> int:

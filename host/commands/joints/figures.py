@@ -1,6 +1,8 @@
 """`caramelo joints figures`: the figures that the joints' bus must reach, and those that it reaches here."""
 
+from collections.abc import Callable
 from dataclasses import asdict
+from importlib.util import find_spec
 from typing import Annotated
 
 import typer
@@ -8,12 +10,15 @@ import typer
 from ...util.console import print_table, screen, write_json
 from ...util.errors import NOT_ACHIEVED
 from ...util.extras import how_to_get
+from ...util.progress import cases
 from .options import Json, RobotName
 
 
 def figures(
     robot: RobotName = "parallel",
-    messages: Annotated[int, typer.Option(min=1, help="Random frames of each type to compare with cantools.")] = 1000,
+    messages: Annotated[
+        int, typer.Option(min=1, max=1_000_000, help="Random frames of each type to compare with cantools.")
+    ] = 1000,
     distance: Annotated[float, typer.Option(min=0.3, max=5.0, help="Metres walked over CAN and directly.")] = 0.5,
     as_json: Json = False,
 ) -> int:
@@ -27,13 +32,21 @@ def figures(
     from ...robot.file import load_can_robot
 
     data, _ = load_can_robot(robot)
-    rows: list[found.Figure] = []
+    steps: dict[str, Callable[[], list[found.Figure]]] = {
+        "codec": lambda: [found.codec_figure(messages)],
+        "load": lambda: found.load_figures(data),
+        "cycle": lambda: found.cycle_figures(data),
+        "speed": lambda: [found.speed_figure(data, distance)],
+    }
     note = ""
-    try:
-        rows.append(found.codec_figure(messages))
-    except ModuleNotFoundError:
+    if not find_spec("cantools"):
+        del steps["codec"]
         note = f"cantools is not installed, so the codec was not compared: {how_to_get('cantools')}"
-    rows += [*found.load_figures(data), *found.cycle_figures(data), found.speed_figure(data, distance)]
+    rows: list[found.Figure] = []
+    with cases("figures") as tell:
+        for number, (name, figures_of) in enumerate(steps.items(), 1):
+            tell(number, len(steps), name)
+            rows += figures_of()
     if as_json:
         write_json({"figures": [asdict(row) for row in rows], "note": note})
     else:

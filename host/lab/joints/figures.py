@@ -38,7 +38,7 @@ class Figure:
 
 
 def codec_figure(count: int) -> Figure:
-    """Compare random frames of each message with cantools, both ways; ModuleNotFoundError without it."""
+    """Compare random frames of each message with cantools, both ways."""
     import cantools
 
     database = cantools.database.load_string(expanded_dbc(dbc.load()), "dbc")

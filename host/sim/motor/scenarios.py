@@ -27,10 +27,15 @@ def names() -> list[str]:
     return [*SCENARIOS, *(f"fault-{name}" for name in FAULTS)]
 
 
+def chosen(name: str | None) -> list[str]:
+    """Return the scenario of that name alone, all for None; UserError with the list for an unknown one."""
+    if name is None:
+        return names()
+    if name not in names():
+        raise UserError(f"--scenario {name}: allowed {', '.join(names())}")
+    return [name]
+
+
 def run_scenario(bldc: Bldc, name: str) -> Result:
-    """Run one scenario by name; UserError with the list for an unknown one."""
-    if name in SCENARIOS:
-        return SCENARIOS[name](bldc)
-    if name.startswith("fault-") and name[6:] in FAULTS:
-        return fault(bldc, name[6:])
-    raise UserError(f"--scenario {name}: allowed {', '.join(names())}")
+    """Run one of ``names()``."""
+    return SCENARIOS[name](bldc) if name in SCENARIOS else fault(bldc, name.removeprefix("fault-"))

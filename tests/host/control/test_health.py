@@ -152,6 +152,7 @@ def test_a_port_without_servos(run, tmp_path, monkeypatch):
         (("--sim", "--socket", "x"), 2, "--sim: not with --socket"),
         (("--imu", "tin can"), 2, "--imu tin can: allowed"),
         (("--socket", "/nowhere.sock"), 1, "no drive answers there"),
+        (("--socket", "65536"), 1, "port must be 0-65535"),
     ],
 )
 def test_wrong_use_is_one_line(run, arguments, code, words):

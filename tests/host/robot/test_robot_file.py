@@ -207,6 +207,7 @@ BAD_VALUES = [
     ("kd_s = 0.006", "kd_s = 0.3", "balance.kd_s: value 0.3:", "at most 0.16 at 50 Hz"),
     ("nominal_voltage_V = 12.0", "nominal_voltage_V = 13", "actuator.nominal_voltage_V: value 13.0:", "11.1, 12.0,"),
     ("voltage_V = 14.8", "voltage_V = 11.8", "actuator.supply: value [11.1, 12.0, 11.8]:", "rising"),
+    ("stall_Nm = 2.5 ", "stall_Nm = 2.0 ", "actuator.supply: value [2.3, 2.0, 3.1]:", "no less stall_Nm"),
     ('kind = "servo"', 'kind = "stepper"', 'actuator.kind: value "stepper":', '"servo", "bldc", "pd"'),
     ('kind = "servo"', "# no kind", "actuator.kind: value missing:", '"servo", "bldc", "pd"'),
     ("p_gain = 850", "p_gain = 0", "actuator.p_gain: value 0:", "above 0 on a dynamixel bus"),

@@ -85,3 +85,9 @@ def test_an_adapter_that_is_not_there_is_one_line():
         AdapterPort("socketcan", "nocan7", 1_000_000)
     with pytest.raises(UserError, match="allowed socketcan"):
         AdapterPort("pigeon", "0", 1_000_000)
+
+
+@pytest.mark.parametrize("channel", ["", "0", "1.2.3.4", "/tmp"])
+def test_udp_multicast_takes_only_a_multicast_address(channel):
+    with pytest.raises(UserError, match=f"--channel {channel}: with udp_multicast give default, or a multicast"):
+        AdapterPort("udp_multicast", channel, 1_000_000)

@@ -173,7 +173,7 @@ def test_a_joint_that_hums_in_its_gears_play_fails_the_sine():
 
 def test_an_unknown_scenario_is_told_with_the_list():
     with pytest.raises(UserError, match="fault-swapped-phases"):
-        scenarios.run_scenario(BLDC, "fault-love")
+        scenarios.chosen("fault-love")
 
 
 def test_the_same_scenario_gives_the_same_figures():
