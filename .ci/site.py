@@ -14,7 +14,7 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 FROM_ROOT = {"index.md": "README.md", "contributing.md": "CONTRIBUTING.md", "changes.md": "CHANGELOG.md"}
 EXAMPLES = ("caramelo", "parallel", "solo12")  # a key's example is that of the first that has it
-GAIT = "examples/pace.toml"  # of a gait of one's own
+GAIT = "examples/amble.toml"  # of a gait of one's own
 
 COMMANDS = """# Commands
 

@@ -41,7 +41,7 @@ def typed(tmp_path, title, count):
 def test_a_gait(tmp_path):
     pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
     (tmp_path / "examples").mkdir()
-    shutil.copy(ROOT / "examples/pace.toml", tmp_path / "examples")
+    shutil.copy(ROOT / "examples/amble.toml", tmp_path / "examples")
     assert re.search(r"gait +mine", typed(tmp_path, "Add a gait", 3))
 
 
