@@ -65,9 +65,9 @@ class Robot:
             self._file = load_robot(str(robot)).simulated(honest)
             if str(gait).endswith(".toml"):
                 self._file, gait = with_gait(self._file, str(gait)), None
-            path = None if calibration is None else Path(calibration)
+            path = _path("calibration", calibration)
             self._place = find_place(place, self._file, port, path, imu, honest) if isinstance(place, str) else place
-        self._record = None if record is None else Path(record)
+        self._record = _path("record", record)
         self._gait = self._known_gait(str(gait or self._file.gait.default))
         self._run: Run | None = None
         self._pose: tuple[float, float, float, float, float, float] = (0.0,) * 6
@@ -425,6 +425,14 @@ class Robot:
         if self._joint_rad_s is None:
             raise Error(f"{what}: only within a loop `for sensed in robot.stream():`")
         return self._joint_rad_s
+
+
+def _path(name: str, value: object) -> Path | None:
+    if value is None:
+        return None
+    if isinstance(value, str | Path):
+        return Path(value)
+    raise BadValue(f"{name} {str(value)[:40]}: allowed a path as text or Path, or None")
 
 
 def _angles(goals_rad: object, before_rad: Sequence[float]) -> list[float]:

@@ -178,8 +178,11 @@ def record_path(wanted: Path) -> Path:
 
 def _create(path: Path) -> Any:
     """Open a new file; an older record is never overwritten."""
+    folder = path.parent
+    if folder.exists() and not folder.is_dir():
+        raise UserError(f"--log {path}: {folder} is a file: a record's name ends in .mcap, any other is a folder's")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
         return path.open("xb")
     except FileExistsError:
         raise UserError(f"--log {path}: the file exists: name another, or a folder") from None

@@ -296,6 +296,12 @@ def test_a_record_holds_every_tick(tmp_path, run):
         Robot("sim", record=path).open()
 
 
+@pytest.mark.parametrize("name", ["record", "calibration"])
+def test_a_path_that_is_none_is_told(name):
+    with pytest.raises(BadValue, match=f"{name} True: allowed a path as text or Path, or None"):
+        Robot("sim", **{name: True})
+
+
 def test_what_is_not_installed_is_told(monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     for name in [name for name in sys.modules if name.startswith("host.sim.space")]:
