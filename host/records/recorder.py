@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from ..util.errors import UserError
+from ..util.files import check_folder
 from .channels import CHANNELS, DRAWN, schema
 from .rotation import PARTS, claim, make_room, next_part
 
@@ -178,11 +179,9 @@ def record_path(wanted: Path) -> Path:
 
 def _create(path: Path) -> Any:
     """Open a new file; an older record is never overwritten."""
-    folder = path.parent
-    if folder.exists() and not folder.is_dir():
-        raise UserError(f"--log {path}: {folder} is a file: a record's name ends in .mcap, any other is a folder's")
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        check_folder("--log", path.parent)
+        path.parent.mkdir(parents=True, exist_ok=True)
         return path.open("xb")
     except FileExistsError:
         raise UserError(f"--log {path}: the file exists: name another, or a folder") from None

@@ -41,7 +41,7 @@ _HINTS = {
     "socketcan": "ip link set {} up type can bitrate {}",
     "slcan": "check that the adapter is plugged in and that you may use the port (group dialout)",
     "gs_usb": "check that the adapter is plugged in; CHANNEL is its number, 0 for the first",
-    "udp_multicast": "start caramelo joints sim first; CHANNEL is a multicast address",
+    "udp_multicast": "start caramelo joints sim first",
     "virtual": "virtual buses exist only within one process",
 }
 

@@ -2,14 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import asdict
-from importlib.util import find_spec
 from typing import Annotated
 
 import typer
 
 from ...util.console import print_table, screen, write_json
 from ...util.errors import NOT_ACHIEVED
-from ...util.extras import how_to_get
+from ...util.extras import not_installed
 from ...util.progress import cases
 from .options import Json, RobotName
 
@@ -38,10 +37,10 @@ def figures(
         "cycle": lambda: found.cycle_figures(data),
         "speed": lambda: [found.speed_figure(data, distance)],
     }
-    note = ""
-    if not find_spec("cantools"):
+    missing = not_installed("cantools")
+    note = f"the codec was not compared: {missing}" if missing else ""
+    if missing:
         del steps["codec"]
-        note = f"cantools is not installed, so the codec was not compared: {how_to_get('cantools')}"
     rows: list[found.Figure] = []
     with cases("figures") as tell:
         for number, (name, figures_of) in enumerate(steps.items(), 1):

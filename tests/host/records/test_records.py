@@ -175,7 +175,7 @@ def test_an_older_record_is_never_overwritten(drive, tmp_path):
     with pytest.raises(UserError, match="the file exists"):
         Recorder(drive, {})
     assert drive.read_bytes() == before
-    with pytest.raises(UserError, match=f"{drive.name} is a file: a record's name ends in"):
+    with pytest.raises(UserError, match=f"{drive.name} is a file: name a folder"):
         Recorder(drive / "x.mcap", {})
     assert record_path(tmp_path).parent == tmp_path
     assert record_path(tmp_path / "logs").parent == tmp_path / "logs", "a folder that is not there yet"

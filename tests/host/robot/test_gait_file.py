@@ -37,6 +37,28 @@ def test_the_example_is_the_table_it_describes():
     assert own.entry == ("amble", 0, ((60, 100, 100, 0), tuple(rows)))
 
 
+def pace(tmp_path, right_at, left_at):
+    """Return what the core makes of a gait whose legs of a side swing together."""
+    path = tmp_path / "pace.toml"
+    path.write_text(
+        'name = "pace"\ncycle_s = 0.64\nduty = 0.625\nswing_height_m = 0.03\n'
+        f"lifts_at = {{ FR = {right_at}, RR = {right_at}, FL = {left_at}, RL = {left_at} }}\n"
+    )
+    return with_gait(load_robot("caramelo"), str(path)).gait.own[0].entry
+
+
+def test_legs_that_swing_together_are_one_row(tmp_path):
+    right, left = LEGS["FR"] | LEGS["RR"], LEGS["FL"] | LEGS["RL"]
+    rows = (240, right, 240), (80, 0, 80), (240, left, 240), (80, 0, 80)
+    assert pace(tmp_path, 0.0, 0.5) == ("pace", 0, ((30, 100, 100, 0), rows))
+
+
+def test_a_swing_of_two_over_the_end_of_the_cycle_moves_its_beginning(tmp_path):
+    rows = pace(tmp_path, 0.8, 0.3)[2][1]
+    assert sorted(rows) == [(80, 0, 80), (80, 0, 80), (240, 5, 240), (240, 10, 240)]
+    assert not rows[0][1] & rows[-1][1], "no foot is in the air where the cycle begins"
+
+
 def test_a_swing_over_the_end_of_the_cycle_moves_its_beginning(tmp_path):
     path = changed(tmp_path, "RR = 0.0, FR = 0.25, RL = 0.5, FL = 0.75", "RR = 0.9, FR = 0.15, RL = 0.4, FL = 0.65")
     rows = with_gait(load_robot("caramelo"), path).gait.own[0].entry[2][1]
@@ -104,10 +126,11 @@ def test_a_gait_that_the_robot_does_not_know_is_refused():
     assert (arbiter.gait, arbiter.refusal) == ("amble", "no such gait; there are trot, amble")
 
 
-@pytest.mark.parametrize(("robot", "world", "needs"), [
-    ("parallel", "plane", "pymunk"), ("caramelo", "plane", "pymunk"), ("caramelo", "space", "mujoco")])
-def test_the_command_walks_it(robot, world, needs):
-    pytest.importorskip(needs)
+@pytest.mark.parametrize(("robot", "world", "needs", "extra"), [
+    ("parallel", "plane", "pymunk", "sim"), ("caramelo", "plane", "pymunk", "sim"),
+    ("caramelo", "space", "mujoco", "space")])
+def test_the_command_walks_it(robot, world, needs, extra):
+    pytest.importorskip(needs, reason=f"{needs} is not installed (extra {extra})")
     command = [sys.executable, "-m", "host.cli", "walk", "--robot", robot, "--in", world, "--distance", "0.2", "--json"]
     done = subprocess.run([*command, "--gait", str(AMBLE)], capture_output=True, text=True, cwd=ROOT, timeout=300)
     assert (done.returncode, done.stderr) == (0, "")

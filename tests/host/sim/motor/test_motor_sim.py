@@ -171,9 +171,10 @@ def test_a_joint_that_hums_in_its_gears_play_fails_the_sine():
     assert figures["current_rms_A"] > 2 * figures["needed_rms_A"]
 
 
-def test_an_unknown_scenario_is_told_with_the_list():
+@pytest.mark.parametrize("name", ["fault-love", ""])
+def test_an_unknown_scenario_is_told_with_the_list(name):
     with pytest.raises(UserError, match="fault-swapped-phases"):
-        scenarios.chosen("fault-love")
+        scenarios.chosen(name)
 
 
 def test_the_same_scenario_gives_the_same_figures():
