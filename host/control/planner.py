@@ -91,7 +91,7 @@ class Driver:
     def speed_limit(self, gait: str) -> tuple[float, str]:
         """Return a gait's top forward command, m/s, and what limits it: a key, or the legs.
 
-The crawl has its own speed; its figure is that of the trot that takes over from it.
+        The crawl has its own speed; its figure is that of the trot that takes over from it.
         """
         walked = self.planner.gaits[gait_index(self.robot, gait)]
         most, key = walked.speed_max.vx, "speed_limits.stride_m"

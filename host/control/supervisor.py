@@ -45,10 +45,9 @@ class Change:
 class Supervisor:
     """One robot under one arbiter. ``attitude`` returns roll and pitch in rad, or None while they are unknown.
 
-``rates`` returns the turning speeds about x, y, z in rad/s without bias, or None if they are not reliable.
-``planar``: it moves in the sagittal plane, where it neither sways nor turns, nor folds its legs at its sides.
-``put_back``: a reset puts a simulated robot that can't get up by itself on its feet; a real one needs a person for
-that.
+    ``rates`` returns the turning speeds about x, y, z in rad/s without bias, or None if they are not reliable.
+    ``planar``: it moves in the sagittal plane, where it neither sways nor turns, nor folds its legs at its sides.
+    ``put_back``: a reset puts a simulated robot that can't get up by itself on its feet; a real one needs a person.
     """
 
     def __init__(
@@ -91,7 +90,7 @@ that.
     def _attitude_to_come(self) -> Attitude:
         """Return the attitude; for a robot tilted so far that any gait stops, the one that it will have 0.1 s later.
 
-A falling robot turns faster than the gyroscope can measure, so the attitude lags behind.
+        A falling robot turns faster than the gyroscope can measure, so the attitude lags behind.
         """
         rates, gets_up = self._read_rates(), self.driver.state in ("folding", "rising")
         if self.attitude is None or rates is None or gets_up:
@@ -185,7 +184,7 @@ A falling robot turns faster than the gyroscope can measure, so the attitude lag
     def cannot_rise(self) -> str:
         """Return why the robot can't get up by itself from how it lies, "" if it can.
 
-It folds its legs first if it knows that it lies on its belly.
+        It folds its legs first if it knows that it lies on its belly.
         """
         if self.attitude is None or self._planar:
             return self.stretched()

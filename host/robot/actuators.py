@@ -6,7 +6,7 @@ Foreign joints and servos without a bus can be simulated but not driven.
 from math import inf, pi
 from typing import Annotated, Literal
 
-from .values import Table, number, one_of, text, whole, yes_or_no
+from .values import Table, number, one_of, text, whole
 
 
 class SupplyPoint(Table):
@@ -121,7 +121,7 @@ class Gear(Table):
     backlash_deg: Annotated[float, number(0.0, 5.0, "deg")]
     stiffness_Nm_rad: Annotated[float, number(1.0, 1e6, "N m/rad")]
     encoder_bits: Annotated[int, whole(8, 20, "bits")]
-    thigh_encoder: Annotated[bool, yes_or_no()]
+    thigh_encoder: Annotated[bool, one_of(True, False)]
 
 
 class Drive(Table):

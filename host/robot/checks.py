@@ -87,11 +87,10 @@ def feet_fit_the_integers(robot: Robot) -> Iterator[Complaint]:
     """Every foot position in the body stays within 17 bits of the core's length unit."""
     unit_m = 2.0**-robot.length_shift
     largest_m = FARTHEST_FOOT_LU * unit_m - robot.geometry.reach_m
-    for axis in (0, 1):
-        position = robot.hip_m(LEG_NAMES.index("FL"))
-        if position[axis] > largest_m:
-            allowed = f"at most {largest_m:.3g} m each: hip and leg within 2^17 units of 2^-{robot.length_shift} m"
-            yield "geometry.hips_m.FL", list(position), allowed
+    position = robot.hip_m(LEG_NAMES.index("FL"))
+    if max(position) > largest_m:
+        allowed = f"at most {largest_m:.3g} m each: hip and leg within 2^17 units of 2^-{robot.length_shift} m"
+        yield "geometry.hips_m.FL", list(position), allowed
 
 
 def changes_fit_the_integers(robot: Robot) -> Iterator[Complaint]:
@@ -219,14 +218,8 @@ def bus_suits_the_actuator(robot: Robot) -> Iterator[Complaint]:
         yield "bus.kind", robot.bus.kind, f'{allowed} for actuator.kind = "{robot.actuator.kind}"'
     elif robot.bus.kind == "can":
         yield from can_bus_is_usable(robot.bus, robot.control.rate_hz)
-    elif isinstance(robot.actuator, Servo) and robot.bus.kind == "dynamixel":
-        yield from servo_bus_is_usable(robot.actuator)
-
-
-def servo_bus_is_usable(servo: Servo) -> Iterator[Complaint]:
-    """Servos on a bus need gains in their registers to hold a position."""
-    if servo.p_gain == 0:
-        yield "actuator.p_gain", servo.p_gain, "above 0 on a dynamixel bus: with 0 the servo holds nothing"
+    elif isinstance(robot.actuator, Servo) and robot.bus.kind == "dynamixel" and robot.actuator.p_gain == 0:
+        yield "actuator.p_gain", 0, "above 0 on a dynamixel bus: with 0 the servo holds nothing"
 
 
 def calf_suits_the_actuator(robot: Robot) -> Iterator[Complaint]:

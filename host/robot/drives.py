@@ -24,15 +24,14 @@ def joint_drives(robot: Robot) -> tuple[ServoModel, ServoModel, ServoModel]:
     return joint_model(drive, 1.0), joint_model(drive, 1.0), joint_model(drive, ratio)
 
 
-def servo_model(servo: Servo, joint_per_motor: float) -> ServoModel:
-    """Return a servo behind a rod that turns the joint ``joint_per_motor`` times as far.
+def servo_model(servo: Servo, ratio: float) -> ServoModel:
+    """Return a servo behind a rod that turns the joint ``ratio`` times as far.
 
     Torque at the joint is the motor's divided by the ratio, stiffness and damping by its square.
     """
-    nominal, ratio = servo.nominal, joint_per_motor
-    stall_Nm = nominal.stall_Nm / ratio
+    nominal = servo.nominal
     return ServoModel(
-        stall_torque_Nm=stall_Nm,
+        stall_torque_Nm=nominal.stall_Nm / ratio,
         stiffness_Nm_rad=nominal.stall_Nm * servo.duty_per_rad / ratio**2,
         damping_Nms_rad=nominal.stall_Nm / nominal.no_load_rad_s / ratio**2,
         armature_kgm2=servo.armature_kg_m2 / ratio**2,
@@ -67,12 +66,11 @@ def joint_model(drive: Bldc, joint_per_motor: float) -> ServoModel:
     )
 
 
-def pd_model(drive: PdJoint, joint_per_motor: float) -> ServoModel:
-    """Return a foreign joint behind a belt or rod that turns the joint ``joint_per_motor`` times as far.
+def pd_model(drive: PdJoint, ratio: float) -> ServoModel:
+    """Return a foreign joint behind a belt or rod that turns the joint ``ratio`` times as far.
 
-Its stiffness and damping are given at the joint itself.
+    Its stiffness and damping are given at the joint itself.
     """
-    ratio = joint_per_motor
     return ServoModel(
         stall_torque_Nm=drive.torque_Nm / ratio,
         stiffness_Nm_rad=drive.stiffness_Nm_rad,

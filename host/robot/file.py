@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, NoReturn, get_args
+from typing import Any, NoReturn, TypeVar, get_args
 
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
@@ -17,9 +17,10 @@ from .builds import unbuildable
 from .checks import complaints
 from .gait_names import new_name
 from .model import Robot
-from .values import show
+from .values import Table, show
 
 FOLDER = Path(__file__).parent / "files"
+AnyTable = TypeVar("AnyTable", bound=Table)
 UNION_KEYS = {"actuator": ("servo", "bldc", "pd"), "bus": ("dynamixel", "can", "none")}
 
 
@@ -55,18 +56,23 @@ def checked(data: dict[str, Any], place: str) -> Robot:
     """Return the robot of a file's tables; RobotFileError that begins with ``place`` if anything is wrong."""
     for key, sentence in former_names(data):
         raise RobotFileError(f"{place}: {key}: {sentence}")
-    try:
-        robot = Robot.model_validate(data)
-    except ValidationError as error:
-        errors = error.errors()
-        # A missing key is often there under a wrong name, and that error says more.
-        first = next((one for one in errors if one["type"] != "missing"), errors[0])
-        raise RobotFileError(f"{place}: {explain(first, data)}") from None
+    robot = parsed(Robot, data, place)
     for key, value, allowed in complaints(robot):
         raise RobotFileError(f"{place}: {key}: value {show(value)}: allowed: {allowed}")
     for sentence in unbuildable(robot):
         raise RobotFileError(f"{place}: {sentence}")
     return robot
+
+
+def parsed(model: type[AnyTable], data: dict[str, Any], place: str) -> AnyTable:
+    """Return a file's tables as a ``model``; RobotFileError that begins with ``place`` if a value is wrong."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        errors = error.errors()
+        # A missing key is often there under a wrong name, and that error says more.
+        first = next((one for one in errors if one["type"] != "missing"), errors[0])
+        raise RobotFileError(f"{place}: {explain(first, data, model)}") from None
 
 
 def find(name_or_path: str) -> Path:

@@ -2,10 +2,8 @@
 
 from pathlib import Path
 
-from pydantic import ValidationError
-
 from .builds import unbuildable
-from .file import RobotFileError, explain, read_toml
+from .file import RobotFileError, parsed, read_toml
 from .gait_names import gait_index
 from .model import Robot
 from .own_gait import OwnGait
@@ -21,12 +19,7 @@ def with_gait(robot: Robot, name_or_path: str | None) -> Robot:
     if not name_or_path.endswith(".toml"):
         gait_index(robot, name_or_path)
         return _changed(robot, default=name_or_path)
-    data = read_toml(Path(name_or_path), "gait")
-    try:
-        own = OwnGait.model_validate(data)
-    except ValidationError as error:
-        first = next((one for one in error.errors() if one["type"] != "missing"), error.errors()[0])
-        raise RobotFileError(f"{name_or_path}: {explain(first, data, OwnGait)}") from None
+    own = parsed(OwnGait, read_toml(Path(name_or_path), "gait"), name_or_path)
     others = tuple(each for each in robot.gait.own if each.name != own.name)
     robot = _changed(robot, own=(*others, own), default=own.name)
     for sentence in unbuildable(robot):

@@ -31,8 +31,8 @@ def leg_inertia_kg_m2(robot: Robot) -> tuple[float, float, float]:
     geometry, links = robot.geometry, robot.links
     pose = rest_leg_rad(robot, 0)
     _, thigh_rad, calf_rad = pose
-    calf = _about_joint(links.calf, 1)
-    thigh = _about_joint(links.thigh, 1)
+    calf = _about_joint(links.calf)
+    thigh = _about_joint(links.thigh)
     if robot.calf_drive.coupled:
         thigh += links.calf.mass_kg * geometry.thigh_m**2
     else:
@@ -46,10 +46,10 @@ def leg_inertia_kg_m2(robot: Robot) -> tuple[float, float, float]:
     return hip, thigh, calf
 
 
-def _about_joint(link: Link, axis: int) -> float:
-    """Return a link's moment about its upper joint's axis, kg m2: parallel-axis theorem."""
-    across = sum(link.com_m[i] ** 2 for i in range(3) if i != axis)
-    return link.inertia_kg_m2[axis] + link.mass_kg * across
+def _about_joint(link: Link) -> float:
+    """Return a thigh's or calf's moment about its upper joint's axis, y, kg m2: parallel-axis theorem."""
+    x, _, z = link.com_m
+    return link.inertia_kg_m2[1] + link.mass_kg * (x**2 + z**2)
 
 
 def leg_parts(robot: Robot, leg: int, joints_rad: Vector) -> list[tuple[float, Vector]]:

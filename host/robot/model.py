@@ -13,7 +13,7 @@ from pydantic import Field
 
 from .actuators import Bldc, CanBus, NoBus, PdJoint, Servo, ServoBus
 from .own_gait import GaitName, OwnGait
-from .values import LINE, Table, body_axes, number, numbers, one_of, rising, text, whole, yes_or_no
+from .values import LINE, Table, body_axes, number, numbers, one_of, rising, text, whole
 
 LEG_NAMES = ("FR", "FL", "RR", "RL")
 JOINT_NAMES = ("hip", "thigh", "calf")
@@ -80,9 +80,9 @@ class Stance(Table):
 class JointLimits(Table):
     """Joint angles of a left elbow leg; Robot.joint_limits_rad mirrors them for the other legs."""
 
-    hip_deg: Annotated[Pair, rising(-90, 90, "deg")]
-    thigh_deg: Annotated[Pair, rising(-180, 180, "deg")]
-    calf_deg: Annotated[Pair, rising(-175, 0, "deg")]
+    hip_deg: Annotated[Pair, rising(-90, 90)]
+    thigh_deg: Annotated[Pair, rising(-180, 180)]
+    calf_deg: Annotated[Pair, rising(-175, 0)]
 
 
 class Link(Table):
@@ -217,8 +217,8 @@ class Simulation(Table):
     ``ground_N_m``: the foot load that presses soft ground in by 1 m, in three dimensions; 0 is hard ground.
     """
 
-    honest: Annotated[bool, yes_or_no()] = True
-    self_collision: Annotated[bool, yes_or_no()] = True
+    honest: Annotated[bool, one_of(True, False)] = True
+    self_collision: Annotated[bool, one_of(True, False)] = True
     ground_N_m: Annotated[float, number(0.0, 1e6, "N/m")] = 0.0
 
 

@@ -29,6 +29,7 @@ OTHER, DONOR = "other", "spotmicro"  # servos that no known robot has, and the r
 REST_SHARE, SIT_SHARE = 0.7, 0.48  # of the leg: hip above foot (Caramelo: 0.71 and 0.48)
 ROD_RADIUS_M, SERVO_M = 0.012, 0.04  # of a link as a uniform rod, for its inertia along it; a servo's edge
 TRUNK_BEYOND_M, TRUNK_HEIGHT_M = 0.06, 0.07  # the trunk's box: longer than from hip to hip, and its height
+TRIED = {"gait.advised_m_s", "gait.not_advised", "crawl", "trot"}  # tables of what was tried on the other robot
 NOT_TOGETHER = "these answers do not go together"
 # Caramelo's, for servos that nobody has measured: dry friction per stall torque, and the rotor's inertia per damping,
 # which is the time constant of the servo alone.
@@ -146,10 +147,9 @@ def new_file(answers: Answers) -> str:
     changes = {"gait.default": Change(shown(GAIT), "chosen")}
     for part in (_names, _geometry, _lengths, _masses, _drives):
         changes |= part(answers)
-    drop = {"gait.advised_m_s", "gait.not_advised", "crawl", "trot"}  # what was tried on the other robot
-    text = changed(find(donor).read_text(), changes, drop, donor, HEADER.format(**answers, donor=donor))
-    robot = checked(parse_toml(text), NOT_TOGETHER)
-    text = changed(text, _speeds(robot), set(), donor)
+    of_donor, header = find(donor).read_text(), HEADER.format(**answers, donor=donor)
+    robot = checked(parse_toml(changed(of_donor, changes, TRIED, donor, header)), NOT_TOGETHER)
+    text = changed(of_donor, changes | _speeds(robot), TRIED, donor, header)
     checked(parse_toml(text), NOT_TOGETHER)
     return text
 

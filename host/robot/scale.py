@@ -86,7 +86,7 @@ def scale_of(robot: Robot, rate_hz: int | None = None) -> Scale:
 def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) -> Params:
     """Return the robot as the core's integers (shared/body/params.py); ``planar``: it neither sways nor turns.
 
-Raises UserError, naming the key, if a value of the file does not fit at this rate.
+    Raises UserError, naming the key, if a value of the file does not fit at this rate.
     """
     scale = scale_of(robot, rate_hz)
     params = Params()

@@ -31,36 +31,34 @@ def shown(value: object) -> str:
     return f"{value:.6g}"
 
 
-def changed(text: str, changes: Changes, drop: set[str], donor: str, header: str = "") -> str:
-    """Return the text with the values and sources of ``changes`` ("table.key"), without the tables to ``drop``.
+def changed(text: str, changes: Changes, drop: set[str], donor: str, header: str) -> str:
+    """Return the donor's text with the values and sources of ``changes`` ("table.key"), without the tables to ``drop``.
 
-    A ``header`` replaces the lines before the first value; then unchanged values say whose they are, and of several
-    tables of one name only the first stays if it is changed.
+    The ``header`` replaces the lines before the first value; unchanged values say whose they are; of several tables of
+    one name only the first stays if it is changed.
     """
-    lines = list(_blocks(text, changes, drop, donor, bool(header)))
-    if header:
-        first = next(at for at, line in enumerate(lines) if _LINE.fullmatch(line))
-        lines = [*header.splitlines(), "", *lines[first:]]
+    lines = list(_blocks(text, changes, drop, donor))
+    first = next(at for at, line in enumerate(lines) if _LINE.fullmatch(line))
+    lines = [*header.splitlines(), "", *lines[first:]]
     return re.sub(r"\n{3,}", "\n\n", "\n".join(lines) + "\n")
 
 
-def _blocks(text: str, changes: Changes, drop: set[str], donor: str, foreign: bool) -> Iterator[str]:
+def _blocks(text: str, changes: Changes, drop: set[str], donor: str) -> Iterator[str]:
     table, seen = "", set()
     changed_tables = {key.rpartition(".")[0] for key in changes}
     for line in text.splitlines():
         head = _HEAD.match(line)
         if head:
             table = head[1]
-            again = table in seen and table in changed_tables
-            seen.add(table)
-            if again:
+            if table in seen and table in changed_tables:
                 drop = drop | {table}
+            seen.add(table)
         if table in drop:
             continue
-        yield _line(line, f"{table}.{line.split(' ')[0]}".lstrip("."), changes, donor, foreign)
+        yield _line(line, f"{table}.{line.split(' ')[0]}".lstrip("."), changes, donor)
 
 
-def _line(line: str, key: str, changes: Changes, donor: str, foreign: bool) -> str:
+def _line(line: str, key: str, changes: Changes, donor: str) -> str:
     found = _LINE.fullmatch(line)
     if found is None:
         return line
@@ -68,12 +66,9 @@ def _line(line: str, key: str, changes: Changes, donor: str, foreign: bool) -> s
     if key in changes:
         value, source, new_meaning = changes[key]
         meaning = new_meaning or meaning.partition(";")[0]  # the rest is about the other robot's value
-    elif not foreign:
-        return line
     elif source not in _STAYS_TRUE:
         source = f"as {donor}"
     elif source == "derived":
         source = f"derived for {donor}"
     words = " ".join(word for word in (unit, meaning, f"({source})") if word)
     return f"{f'{name} = {value}  ':<{_COLUMN}}# {words}"
-

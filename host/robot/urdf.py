@@ -24,7 +24,7 @@ def urdf(robot: Robot, payload_kg: float = 0.0, voltage_V: float | None = None) 
     for name, rgba in COLOURS.items():
         Xml.SubElement(Xml.SubElement(root, "material", name=name), "color", rgba=_vector(rgba))
     Xml.SubElement(root, "link", name=ROOT_LINK)
-    _fixed(root, "imu_joint", ROOT_LINK, "imu_link", (0, 0, 0))
+    _joint(root, "imu_joint", "fixed", ROOT_LINK, "imu_link", (0, 0, 0))
     Xml.SubElement(root, "link", name="imu_link")
     if payload_kg > 0:
         _add_payload(root, robot, payload_kg)
@@ -35,7 +35,7 @@ def urdf(robot: Robot, payload_kg: float = 0.0, voltage_V: float | None = None) 
             if shape.link == frame.name:
                 _shape(body, shape)
         if frame.joint is None:
-            _fixed(root, f"{frame.name}_joint", frame.parent, frame.name, frame.at_m)
+            _joint(root, f"{frame.name}_joint", "fixed", frame.parent, frame.name, frame.at_m)
         else:
             _add_hinge(root, robot, frame, frame.joint, servos)
     Xml.indent(root)
@@ -101,16 +101,12 @@ def _joint(root: Xml.Element, name: str, kind: str, parent: str, child: str, at_
     return element
 
 
-def _fixed(root: Xml.Element, name: str, parent: str, child: str, at_m: Iterable[float]) -> None:
-    _joint(root, name, "fixed", parent, child, at_m)
-
-
 def _add_payload(root: Xml.Element, robot: Robot, mass_kg: float) -> None:
     x, y, z = PAYLOAD_HALF_M
     moments = (mass_kg / 3 * (y * y + z * z), mass_kg / 3 * (x * x + z * z), mass_kg / 3 * (x * x + y * y))
     load = _body(root, "payload", mass_kg, moments, (0, 0, 0))
     _shape(load, Shape("payload", "box", (2 * x, 2 * y, 2 * z), (0.0, 0.0, 0.0), "load", collides=False))
-    _fixed(root, "payload_joint", "trunk", "payload", robot.links.trunk.payload_m)
+    _joint(root, "payload_joint", "fixed", "trunk", "payload", robot.links.trunk.payload_m)
 
 
 def _add_hinge(
@@ -119,14 +115,8 @@ def _add_hinge(
     leg, part = divmod(joint, 3)
     hinge = _joint(root, f"{frame.name}_joint", "revolute", frame.parent, frame.name, frame.at_m)
     fastest_rad_s = robot.actuator.fastest_rad_s * (robot.calf_drive.ratio if part == 2 else 1.0)
-    _limit(hinge, robot.joint_limits_rad(leg)[part], servos[part], frame.axis, fastest_rad_s)
-
-
-def _limit(
-    hinge: Xml.Element, limits_rad: tuple[float, float], servo: ServoModel, axis: int, fastest_rad_s: float
-) -> None:
-    Xml.SubElement(hinge, "axis", xyz="0 1 0" if axis else "1 0 0")
-    low, high = limits_rad
+    (low, high), servo = robot.joint_limits_rad(leg)[part], servos[part]
+    Xml.SubElement(hinge, "axis", xyz="0 1 0" if frame.axis else "1 0 0")
     Xml.SubElement(hinge, "limit", lower=f"{low:.9g}", upper=f"{high:.9g}", effort=f"{servo.stall_torque_Nm:.9g}",
                    velocity=f"{fastest_rad_s:.9g}")
     Xml.SubElement(hinge, "dynamics", damping=f"{servo.damping_Nms_rad:.9g}", friction=f"{servo.coulomb_Nm:.9g}")

@@ -63,15 +63,14 @@ def numbers(count: int, low: float, high: float, unit: str, names: str) -> Befor
     return _only(fits, f"{count} numbers [{names}] within {_range_text(low, high, unit)}", _floats)
 
 
-def rising(low: float, high: float, unit: str) -> BeforeValidator:
-    """A list [lowest, highest] within ``low`` .. ``high``, lowest below highest."""
+def rising(low_deg: float, high_deg: float) -> BeforeValidator:
+    """A list [lowest, highest] of angles within ``low_deg`` .. ``high_deg``, lowest below highest."""
 
     def fits(value: object) -> bool:
         pair = isinstance(value, list) and len(value) == 2 and all(map(_is_number, value))
-        return pair and low <= value[0] < value[1] <= high  # type: ignore[index]
+        return pair and low_deg <= value[0] < value[1] <= high_deg  # type: ignore[index]
 
-    allowed = f"[lowest, highest] with lowest < highest, both within {_range_text(low, high, unit)}"
-    return _only(fits, allowed, _floats)
+    return _only(fits, f"[lowest, highest] with lowest < highest, both within {low_deg:g} .. {high_deg:g} deg", _floats)
 
 
 def _floats(values: list[float]) -> tuple[float, ...]:
@@ -79,7 +78,7 @@ def _floats(values: list[float]) -> tuple[float, ...]:
 
 
 def one_of(*allowed: object) -> BeforeValidator:
-    """Exactly one of a few values."""
+    """Exactly one of a few values; 1 is not true."""
 
     def same(value: object) -> list[object]:
         return [choice for choice in allowed if value == choice
@@ -110,16 +109,9 @@ def _handedness(axes: list[object]) -> int:
     return -sign if sum(str(axis)[0] == "-" for axis in axes) % 2 else sign
 
 
-def yes_or_no() -> BeforeValidator:
-    """A boolean; a number that looks like one is refused."""
-    return one_of(True, False)
-
-
 def show(value: object) -> str:
     """Return a value as TOML writes it, on one line and shortened."""
     if isinstance(value, bool):
         return "true" if value else "false"
     line = '"' + " ".join(value.split()) + '"' if isinstance(value, str) else " ".join(repr(value).split())
     return line if len(line) <= 60 else line[:57] + "..."
-
-

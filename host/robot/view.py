@@ -36,7 +36,8 @@ class View:
         The ground is under the lowest point, which is a knee or the body if the robot lies.
         """
         legs = [self._leg(leg, joints_rad) for leg in range(4)]
-        mass_kg, moment = self._trunk()
+        trunk = self._robot.links.trunk
+        mass_kg, moment = trunk.mass_kg, [trunk.mass_kg * at for at in trunk.com_m]
         for leg in range(4):
             for part_kg, lengths in self._masses:
                 at = self._at(leg, joints_rad, lengths)
@@ -49,10 +50,6 @@ class View:
             "standing": [leg for leg in OUTLINE if not swinging >> leg & 1],
             "com": _level((moment[0] / mass_kg, moment[1] / mass_kg, moment[2] / mass_kg), roll_rad, pitch_rad),
         }
-
-    def _trunk(self) -> tuple[float, list[float]]:
-        trunk = self._robot.links.trunk
-        return trunk.mass_kg, [trunk.mass_kg * at for at in trunk.com_m]
 
     def _leg(self, leg: int, joints_rad: Sequence[float]) -> list[Vector]:
         return [(*self._robot.hip_m(leg), 0.0), *(self._at(leg, joints_rad, end) for end in self._ends)]
