@@ -33,14 +33,10 @@ class Measure:
     value: float
     spread: float | None = None
 
-    def source(self, when: date) -> str:
-        """Return the source for the brackets behind it, without the brackets."""
-        spread = "" if self.spread is None else f", +-{100 * self.spread:.0f} % between joints"
-        return f"{when.isoformat()}{spread}: measured"
-
     def new(self, value: float, meaning: str, when: date) -> NewValue:
-        """Return a value for the file, with three to four digits."""
-        return NewValue(float(f"{value:.4g}"), meaning, self.source(when))
+        """Return a value for the file, with four digits, and its source: when it was measured, and the spread."""
+        spread = "" if self.spread is None else f", +-{100 * self.spread:.0f} % between joints"
+        return NewValue(float(f"{value:.4g}"), meaning, f"{when.isoformat()}{spread}: measured")
 
 
 def copy_with(source: Path, target: Path, servo: Servo, found: Mapping[str, Measure], when: date) -> None:

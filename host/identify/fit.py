@@ -92,11 +92,10 @@ class JointFit:
         self._rest = self.base["coulomb_Nm"] + self.base["stribeck_Nm"]
         self._fast = self.base["coulomb_Nm"] + FAST_RAD_S * self.base["viscous_Nms_rad"]
 
-    def run(self, note: Callable[[str], None] = lambda what: None) -> Fitted:
+    def run(self) -> Fitted:
         """Return the numbers; the best of a few starts."""
         best, least = np.zeros(len(self._free)), float("inf")
-        for number, start in enumerate(STARTS):
-            note(f"fit {number + 1}")
+        for start in STARTS:
             x, cost = self._descend(self._of({**self.base, **start}))
             if cost >= ENOUGH * self._size:
                 x, cost = min((x, cost), self._down_the_valley(self._swapped(x)), key=lambda end: end[1])

@@ -18,7 +18,6 @@ RUNS = (0.07, 0.09, 0.11, 0.14, 0.18, 0.24, 0.32, 0.42)  # duties of single runs
 HARD = 0.25  # duty from which a turning joint bounces within its play (seen)
 FALLS_RAD_S2 = 5.0  # with this a link falls through 1.5 deg of play in 0.1 s, and settles before its sweep (chosen)
 COASTS = (0.5, 0.45, 0.35, 0.25)  # duties before the torque is taken away
-NO_LOAD = Load(1e-3, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,7 @@ class Sweep:
     moves: tuple[Move, ...]
 
 
-def plan(centre_rad: float, reach_rad: float = REACH_RAD, load: Load = NO_LOAD) -> list[Sweep]:
+def plan(centre_rad: float, reach_rad: float, load: Load) -> list[Sweep]:
     """Return the sweeps of one joint in the air, within ``reach_rad`` of the centre."""
     ends = {way: _settled_rad(centre_rad, centre_rad - way * reach_rad * 0.95, load) for way in (1, -1)}
     sweeps = [_run(ends[way], centre_rad + way * reach_rad, way, duty) for duty in RUNS for way in (1, -1)]

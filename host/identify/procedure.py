@@ -22,18 +22,7 @@ from .fit import Fitted, JointFit
 from .rig import Rig
 from .sweeping import Blocked, Trace, shake_all, stand_and_sway, sweep_joint
 from .together import grounds, supply_ohm
-from .verdict import (
-    BLOCKED,
-    SOUND,
-    UNSAFE,
-    Verdict,
-    broken,
-    brothers,
-    judge,
-    sticking,
-    weight_is,
-    with_middle,
-)
+from .verdict import BLOCKED, SOUND, UNSAFE, Verdict, broken, brothers, judge, sticking, weight_is, with_middle
 
 Show = Callable[[str, float], None]  # the present work, and the share of it that is done
 SILENT: Show = lambda what, share: None  # noqa: E731

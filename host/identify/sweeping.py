@@ -1,6 +1,7 @@
 """Carries out sweeps: one joint in the air while its leg's others hold the rest pose; then all on the ground."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from math import asin, cos, degrees, pi, sin
 
@@ -67,7 +68,7 @@ class Blocked(ServoError):
 
 def rest_shafts_rad(robot: Robot) -> list[float]:
     """Return the shafts' angles at rest, the centres of the sweeps."""
-    return [angle / joint_per_shaft(robot, joint) for joint, angle in enumerate(rest_pose_rad(robot))]
+    return _shafts(robot, rest_pose_rad(robot))
 
 
 def sweeps_of(robot: Robot, joint: int) -> list[Sweep]:
@@ -88,21 +89,28 @@ def sweep_joint(rig: Rig, joint: int, done: Done = lambda share: None) -> list[T
     sweeps = sweeps_of(rig.robot, joint)
     ends = [move.goal_rad for sweep in sweeps for move in sweep.moves]
     traces = []
-    for each in range(leg, leg + 3):
-        low, high = (limit / joint_per_shaft(rig.robot, each) for limit in limits_rad(rig.robot)[each])
-        rig.allow(each, low, high)
-    try:
-        for each in range(leg, leg + 3):
-            rig.hold(each, MOST)
+    with _holding(rig, range(leg, leg + 3), MOST):
         _go(rig, {each: rest[each] for each in range(leg, leg + 3)}, joint)
         rig.allow(joint, min(ends), max(ends))
         for number, sweep in enumerate(sweeps):
             _go(rig, {joint: sweep.start_rad}, joint)
             traces.append(_play(rig, joint, sweep))
             done((number + 1) / len(sweeps))
+    return traces
+
+
+@contextmanager
+def _holding(rig: Rig, joints: Sequence[int], most: float) -> Iterator[None]:
+    """Let joints hold within their limits with a share of their stall torque; let go of all at the end."""
+    for joint, limits in enumerate(limits_rad(rig.robot)):
+        low, high = (limit / joint_per_shaft(rig.robot, joint) for limit in limits)
+        rig.allow(joint, low, high)
+    try:
+        for joint in joints:
+            rig.hold(joint, most)
+        yield
     finally:
         rig.release()
-    return traces
 
 
 def _go(rig: Rig, goals_rad: dict[int, float], looked_at: int) -> None:
@@ -119,7 +127,7 @@ def _go(rig: Rig, goals_rad: dict[int, float], looked_at: int) -> None:
         rig.ask(list(goals_rad))
         due_s = _next(rig, due_s, TICK_S)
     at_rad = _all(rig, [looked_at])[looked_at].position_rad
-    if looked_at in goals_rad and abs(at_rad - goals_rad[looked_at]) > ARRIVED_RAD:
+    if abs(at_rad - goals_rad[looked_at]) > ARRIVED_RAD:
         raise Blocked(looked_at, at_rad, goals_rad[looked_at], joint_per_shaft(rig.robot, looked_at))
 
 
@@ -142,7 +150,7 @@ def _play(rig: Rig, joint: int, sweep: Sweep) -> Trace:
     """Play one sweep's moves and record the joint's motion."""
     trace, moves = Trace(joint, sweep.name), list(sweep.moves)
     began_s = due_s = rig.clock()
-    goal_rad, most = sweep.start_rad, MOST
+    goal_rad = sweep.start_rad
     told: float | None = MOST
     for tick in range(round(sweep.duration_s / TICK_S)):
         while moves and moves[0].at_s <= tick * TICK_S + 1e-9:
@@ -178,10 +186,7 @@ def shake_all(rig: Rig, done: Done = lambda share: None) -> list[Stance]:
     """
     rest = rest_shafts_rad(rig.robot)
     rows: list[Stance] = []
-    _allow_limits(rig)
-    try:
-        for joint in range(JOINTS):
-            rig.hold(joint, MOST)
+    with _holding(rig, range(JOINTS), MOST):
         _go(rig, dict(enumerate(rest)), 0)
         for number, duty in enumerate(SHAKES):
             for joint in range(JOINTS):
@@ -192,8 +197,6 @@ def shake_all(rig: Rig, done: Done = lambda share: None) -> list[Stance]:
                 goals = [at + side * SHAKE_RAD for at, side in zip(rest, sides, strict=True)]
                 _tick(rig, "shake", goals, rows, 2 * TICK_S)
             done((number + 1) / len(SHAKES))
-    finally:
-        rig.release()
     return rows
 
 
@@ -201,10 +204,7 @@ def stand_and_sway(rig: Rig, done: Done = lambda share: None) -> list[Stance]:
     """Stand up from sitting, sway slowly up and down, to and fro, sideways; sit down, let go."""
     robot, rows, waste = rig.robot, list[Stance](), list[Stance]()
     seated, rest = _shafts(robot, seated_pose_rad(robot)), rest_shafts_rad(robot)
-    _allow_limits(rig)
-    try:
-        for joint in range(JOINTS):
-            rig.hold(joint, robot.stand.torque_fraction)
+    with _holding(rig, range(JOINTS), robot.stand.torque_fraction):
         now = _all(rig, range(JOINTS))
         here = [now[joint].position_rad for joint in range(JOINTS)]
         for start, end, seconds in ((here, seated, 1.5), (seated, rest, 2.5)):
@@ -214,15 +214,7 @@ def stand_and_sway(rig: Rig, done: Done = lambda share: None) -> list[Stance]:
             _tick(rig, "ground", _shafts(robot, pose), rows, GROUND_TICK_S)
             done((number + 1) / len(goals))
         _glide(rig, _shafts(robot, goals[-1]), seated, 2.5, waste)
-    finally:
-        rig.release()
     return rows
-
-
-def _allow_limits(rig: Rig) -> None:
-    for joint, limits in enumerate(limits_rad(rig.robot)):
-        low, high = (limit / joint_per_shaft(rig.robot, joint) for limit in limits)
-        rig.allow(joint, low, high)
 
 
 def _shafts(robot: Robot, pose_rad: Sequence[float]) -> list[float]:

@@ -21,8 +21,8 @@ BIN_RAD, LEAST_SEEN = 0.04, 3  # places, and runs that must have seen one (chose
 SOUND, LOOSE, REVERSED, STICKING, BLOCKED, STIFF = "sound", "loose horn", "reversed", "sticking", "blocked", "friction"
 UNSAFE = (LOOSE, REVERSED, BLOCKED)  # with these the robot must not stand up
 TOLD = {
-    "at_rest_Nm": ("friction", 1.0), "stall_Nm": ("torque", 1.0), "no_load_rad_s": ("no-load speed", 1.0),
-    "backlash_deg": ("play", 1.0), "duty_per_rad": ("stiffness", 1.0),
+    "at_rest_Nm": "friction", "stall_Nm": "torque", "no_load_rad_s": "no-load speed", "backlash_deg": "play",
+    "duty_per_rad": "stiffness",
 }  # fmt: skip
 
 
@@ -134,7 +134,7 @@ def judge(joint: int, fits: Mapping[int, Fitted], stick: tuple[float, float]) ->
         return Verdict(joint, STICKING, f"{label}: sticks at {where}, with {stick[0]:.1f} times the usual friction: "
                                         "look for a damaged gear, or something that rubs")  # fmt: skip
     apart = {name: own[name] / others[name] - 1 for name in TOLD if others[name] > 0}
-    said = [f"{abs(100 * share):.0f} % {'more' if share > 0 else 'less'} {TOLD[name][0]}"
+    said = [f"{abs(100 * share):.0f} % {'more' if share > 0 else 'less'} {TOLD[name]}"
             for name, share in apart.items() if abs(share) > APART]  # fmt: skip
     if not said:
         sure = "" if fits[joint].fits else "; the fit is poor: look at its picture"

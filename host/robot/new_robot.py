@@ -149,7 +149,7 @@ def new_file(answers: Answers) -> str:
         changes |= part(answers)
     of_donor, header = find(donor).read_text(), HEADER.format(**answers, donor=donor)
     robot = checked(parse_toml(changed(of_donor, changes, TRIED, donor, header)), NOT_TOGETHER)
-    text = changed(of_donor, changes | _speeds(robot), TRIED, donor, header)
+    text = changed(of_donor, {**changes, **_speeds(robot)}, TRIED, donor, header)
     checked(parse_toml(text), NOT_TOGETHER)
     return text
 

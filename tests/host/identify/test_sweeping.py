@@ -1,6 +1,5 @@
 """Sweeps over the servos' protocol: only one leg holds, all is limp in the end, what is kept is read as it was."""
 
-
 import pytest
 
 from host.bus.dynamixel import table as t
@@ -26,7 +25,7 @@ def holding(made):
 
 
 def test_no_sweep_leaves_its_reach():
-    for sweep in plan(0.3):
+    for sweep in plan(0.3, REACH_RAD, in_the_air(ROBOT, 1)):
         assert all(abs(move.goal_rad - 0.3) <= REACH_RAD + 1e-9 for move in sweep.moves), sweep.name
         assert all(move.most is None or move.most <= 0.5 for move in sweep.moves)
 
@@ -128,5 +127,3 @@ def test_swaying_reads_all_joints_and_lets_go(monkeypatch):
     assert len(rows) == 9
     assert all(min(row.load[2::3]) > 0.25 for row in rows)  # every knee pushes; on the way down friction holds
     assert holding(made) == []
-
-
