@@ -65,9 +65,12 @@ def start_checks(
     yield StartCheck("joints answer", not silent, f"{JOINTS - silent} of {JOINTS} ({bus.kind})")
     for warning in bus.warnings:
         yield StartCheck("bus", True, f"warning: {warning}")
-    yield _health(robot, measured)
-    yield _battery(measured)
-    yield _temperature(measured)
+    safety = Safety(robot)
+    safety.update(measured)
+    yield StartCheck("no faults", safety.action == "none", safety.sentence or "none")
+    volts = measured.battery_V
+    yield StartCheck("battery", volts is not None, "no joint reports a voltage" if volts is None else f"{volts:.1f} V")
+    yield StartCheck("temperature", True, f"at most {max(measured.temperature_C):.0f} degrees C")
     yield _imu(attitude)
 
 
@@ -78,21 +81,6 @@ def _all_values(robot: Robot, bus: Bus, sleep: Callable[[float], None]) -> Measu
         sleep(1 / robot.control.rate_hz)
         measured = bus.read()
     return measured
-
-
-def _health(robot: Robot, measured: Measured) -> StartCheck:
-    safety = Safety(robot)
-    safety.update(measured)
-    return StartCheck("no faults", safety.action == "none", safety.sentence or "none")
-
-
-def _battery(measured: Measured) -> StartCheck:
-    volts = measured.battery_V
-    return StartCheck("battery", volts is not None, "no joint reports a voltage" if volts is None else f"{volts:.1f} V")
-
-
-def _temperature(measured: Measured) -> StartCheck:
-    return StartCheck("temperature", True, f"at most {max(measured.temperature_C):.0f} degrees C")
 
 
 def _imu(attitude: Attitude | None) -> StartCheck:

@@ -55,14 +55,13 @@ class Supervisor:
         robot: Robot,
         bus: Bus,
         attitude: Callable[[], Attitude] = lambda: None,
-        rate_hz: int | None = None,
         put_back: Callable[[], object] = lambda: None,
         rates: Callable[[], Rates] = lambda: None,
         planar: bool = False,
     ) -> None:
         self.robot, self.bus, self._read_attitude, self._put_back = robot, bus, attitude, put_back
         self._read_rates, self._planar = rates, planar
-        self.driver = Driver(robot, rate_hz, planar)
+        self.driver = Driver(robot, planar=planar)
         self.arbiter = Arbiter(gait=robot.gait.default, gaits=gait_names(robot))
         self.safety = Safety(robot)
         self.stream = JointStream(robot, self.driver.rate_hz)
@@ -104,7 +103,7 @@ class Supervisor:
         sticks = self.arbiter.update(now_s)
         self._go_on_resetting()
         self._check_stop()
-        self._command(sticks, now_s)
+        self._command(sticks)
         self._feel()
         self.goals = self.stream.goals(self.driver.step(), now_s)
         self._watch_gait()
@@ -220,7 +219,7 @@ class Supervisor:
         if (limp or damp) and self._resetting is None:
             self.arbiter.posture = "rest"
 
-    def _command(self, sticks: Drive, now_s: float) -> None:
+    def _command(self, sticks: Drive) -> None:
         """Turn the driver's command into the planner's command."""
         arbiter = self.arbiter
         posture = "rest" if self.safety.action != "none" else arbiter.posture
