@@ -128,6 +128,7 @@ class Arbiter:
 
     def _set_posture(self, client: Client, posture: str) -> bool:
         if self.stop is not None:
+            self.obeyed -= 1
             return self._refuse(f"emergency stop by {self.stop.client}: reset it first")
         self.posture = posture
         return True

@@ -64,7 +64,7 @@ def test_anybody_stops_and_it_stays_stopped(arbiter, who):
     assert arbiter.handle(SCRIPT if who is not SCRIPT else PAGE, STOP, 0.2)
     assert arbiter.stop.client == who, "the first is kept"
     assert not arbiter.handle(KEYS, STAND, 0.3)
-    assert arbiter.posture == "rest"
+    assert (arbiter.posture, arbiter.obeyed, arbiter.refused) == ("rest", 2, 1)
 
 
 def test_only_who_may_drive_resets_and_nothing_comes_back_by_itself(arbiter):
