@@ -73,24 +73,26 @@ class Arbiter:
             return self._release(client)
         if not self._admit(client, now_s):
             return False
-        self.obeyed += 1
+        obeyed = self._obey(client, message)
+        self.obeyed += obeyed
+        return obeyed
+
+    def _obey(self, client: Client, message: Message) -> bool:
+        kind = message["type"]
         if kind == "reset":
-            self._reset(client, now_s)
+            self.stop, self.posture, self.drive = None, "rest", Drive()
         elif kind == "drive":
             self._steer(client, message)
         elif kind == "posture":
-            return self._set_posture(client, message["posture"])
+            if self.stop is not None:
+                return self._refuse(f"emergency stop by {self.stop.client}: reset it first")
+            self.posture = message["posture"]
         elif kind == "gait":
-            return self._set_gait(message["gait"])
+            if message["gait"] not in self.gaits:
+                return self._refuse(f"no such gait; there are {', '.join(self.gaits)}")
+            self.gait = message["gait"]
         elif kind == "balance":
             self.balance = message["on"]
-        return True
-
-    def _set_gait(self, gait: str) -> bool:
-        if gait not in self.gaits:
-            self.obeyed -= 1
-            return self._refuse(f"no such gait; there are {', '.join(self.gaits)}")
-        self.gait = gait
         return True
 
     def drop(self, client: Client) -> None:
@@ -118,20 +120,10 @@ class Arbiter:
             self.stop = Stop(client, now_s, t_ms)
         self.posture, self.drive, self.pending = "rest", Drive(), None
 
-    def _reset(self, client: Client, now_s: float) -> None:
-        self.stop, self.posture, self.drive = None, "rest", Drive()
-
     def _steer(self, client: Client, message: Message) -> None:
         before, self.drive = self.drive, Drive.of(message)
         oldest = self.pending or Pending(client.source, message.get("t_ms"), moved=False)
         self.pending = replace(oldest, moved=oldest.moved or self.drive != before)
-
-    def _set_posture(self, client: Client, posture: str) -> bool:
-        if self.stop is not None:
-            self.obeyed -= 1
-            return self._refuse(f"emergency stop by {self.stop.client}: reset it first")
-        self.posture = posture
-        return True
 
     def _release(self, client: Client) -> bool:
         if client != self.driver:
