@@ -77,10 +77,14 @@ def test_only_who_may_drive_resets_and_nothing_comes_back_by_itself(arbiter):
     assert arbiter.handle(PAGE, STAND, 0.3)
 
 
-def test_gait_and_balance(arbiter):
-    arbiter.handle(PAGE, {"type": "gait", "gait": "crawl"}, 0.0)
+def test_gait_and_balance():
+    arbiter = Arbiter(gait="trot", gaits=("trot", "amble"))
+    assert arbiter.handle(PAGE, {"type": "gait", "gait": "amble"}, 0.0)
+    assert not arbiter.handle(PAGE, {"type": "gait", "gait": "gallop"}, 0.0)
+    assert (arbiter.gait, arbiter.refusal) == ("amble", "no such gait; there are trot, amble")
     arbiter.handle(PAGE, {"type": "balance", "on": False}, 0.0)
-    assert (arbiter.gait, arbiter.balance) == ("crawl", False)
+    assert not arbiter.balance
+    assert (arbiter.obeyed, arbiter.refused) == (2, 1)
 
 
 def test_the_oldest_message_that_waits_is_timed_and_a_moved_stick_among_them_is_not_forgotten(arbiter):

@@ -55,10 +55,16 @@ def test_the_ground_carries_the_robot(name):
     assert sag_m(robot) > 0
 
 
+def with_drives(name, **values):
+    """Return a robot with other values of its actuator."""
+    robot = load_robot(name)
+    return robot.model_copy(update={"actuator": robot.actuator.model_copy(update=values)})
+
+
 def test_softer_drives_sag_more():
     robot = load_robot("unitree-a1")
-    soft = robot.actuator.model_copy(update={"stiffness_Nm_rad": robot.actuator.stiffness_Nm_rad / 2})
-    assert sag_m(robot.model_copy(update={"actuator": soft})) == pytest.approx(2 * sag_m(robot), rel=0.25)
+    soft = with_drives("unitree-a1", stiffness_Nm_rad=robot.actuator.stiffness_Nm_rad / 2)
+    assert sag_m(soft) == pytest.approx(2 * sag_m(robot), rel=0.25)
 
 
 @pytest.mark.parametrize(("name", "walked_m_s"), [("caramelo", 0.30), ("parallel", 0.60)])
@@ -120,19 +126,15 @@ def test_every_robot_can_carry_itself(name):
 
 
 def test_legs_too_slow_for_a_step_on_the_spot_are_told():
-    robot = load_robot("unitree-a1")
-    slow = robot.actuator.model_copy(update={"no_load_rad_s": 1.0})
-    robot = robot.model_copy(update={"actuator": slow})
+    robot = with_drives("unitree-a1", no_load_rad_s=1.0)
     (sentence,) = cannot(robot, ability(robot))
     assert "too short for" in sentence
 
 
 def test_joints_that_give_way_until_the_legs_fold_are_told():
-    robot = load_robot("solo12")
-    soft = robot.actuator.model_copy(update={"stiffness_Nm_rad": 0.5})
-    robot = robot.model_copy(update={"actuator": soft})
+    robot = with_drives("solo12", stiffness_Nm_rad=0.5)
     assert sag_m(robot) is None
-    assert "fold up: raise actuator.stiffness_Nm_rad" in next(iter(list(cannot(robot, ability(robot)))))
+    assert "fold up: raise actuator.stiffness_Nm_rad" in next(cannot(robot, ability(robot)))
 
 
 def table(page, wanted):

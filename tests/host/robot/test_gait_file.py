@@ -6,7 +6,6 @@ import sys
 
 import pytest
 
-from host.control.arbiter import Arbiter
 from host.library.robot import Robot
 from host.records.reader import read_record
 from host.records.replay import replay
@@ -16,7 +15,6 @@ from host.robot.gait_file import with_gait
 from host.util.errors import UserError
 from shared.gait.gaits import GAIT_NAMES
 from tests import ROOT
-from tests.host.control.rig import SCRIPT
 
 AMBLE = ROOT / "examples/amble.toml"
 LEGS = {"FR": 1, "FL": 2, "RR": 4, "RL": 8}
@@ -116,14 +114,6 @@ def test_a_robot_file_holds_one_likewise_and_advises_it(tmp_path):
     path.write_text(path.read_text().replace("cycle_s = 1.6 ", "cycle_s = 0 "))
     with pytest.raises(UserError, match="cycle_s: value 0: allowed: a number within"):
         load_robot(str(path))
-
-
-def test_a_gait_that_the_robot_does_not_know_is_refused():
-    arbiter = Arbiter(gait="trot", gaits=("trot", "amble"))
-    arbiter.handle(SCRIPT, {"type": "take"}, 0.0)
-    assert arbiter.handle(SCRIPT, {"type": "gait", "gait": "amble"}, 0.0)
-    assert not arbiter.handle(SCRIPT, {"type": "gait", "gait": "gallop"}, 0.0)
-    assert (arbiter.gait, arbiter.refusal) == ("amble", "no such gait; there are trot, amble")
 
 
 @pytest.mark.parametrize(("robot", "world", "needs", "extra"), [

@@ -5,9 +5,9 @@ import json
 
 import pytest
 
-from host.robot.actuators import Bldc, Servo
+from host.robot.actuators import Servo
 from host.robot.file import load_robot
-from host.robot.new_robot import joints_like, questions
+from host.robot.new_robot import DONOR, OTHER, joints_like, questions
 from host.robot.toml_text import Change, changed
 from host.sim.walk import WalkSpec, run_walk
 from sim2d import metrics
@@ -34,10 +34,10 @@ def line_of(err):
 
 
 @pytest.fixture
-def answering(run, monkeypatch, tmp_path):
-    """Run the command with what a person types; return exit code, stdout, stderr and the file."""
+def new(run, monkeypatch, tmp_path):
+    """Run the command with options and with what a person types; return exit code, stdout, stderr and the file."""
 
-    def call(typed, *arguments):
+    def call(*arguments, typed=()):
         monkeypatch.setattr("sys.stdin", io.StringIO("".join(f"{line}\n" for line in typed)))
         path = tmp_path / "new.toml"
         return *run("robots", "new", str(path), *arguments), path
@@ -46,20 +46,20 @@ def answering(run, monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize("joints", joints_like())
-def test_what_it_writes_passes_the_check_and_walks(run, tmp_path, joints):
-    path = tmp_path / "new.toml"
-    code, out, err = run("robots", "new", str(path), "--joints", joints, "--defaults")
+def test_what_it_writes_passes_the_check_and_walks(new, joints):
+    """The joints bring their bus."""
+    code, out, err, path = new("--joints", joints, "--defaults")
     assert (code, err) == (0, "")
     assert f"wrote {path}" in out.replace("\n", "")
-    robot = load_robot(str(path))
+    robot, donor = load_robot(str(path)), load_robot(DONOR if joints == OTHER else joints)
+    assert (robot.actuator.kind, robot.bus) == (donor.actuator.kind, donor.bus)
     walk = run_walk(WalkSpec(robot, robot.gait.default, speed_m_s=0.1, distance_m=0.5))
     assert walk.outcome.kind == "arrived"
     assert metrics.mean_speed_m_s(walk) > 0.07
 
 
-def test_every_answer_is_in_the_file(run, tmp_path):
-    path = tmp_path / "new.toml"
-    code, out, _ = run("robots", "new", str(path), *options(BIG), "--json")
+def test_every_answer_is_in_the_file(new):
+    code, out, _, path = new(*options(BIG), "--json")
     assert code == 0
     assert json.loads(out)["ok"]
     robot = load_robot(str(path))
@@ -83,9 +83,8 @@ def test_the_options_are_the_questions():
 
 
 @pytest.mark.parametrize("joints", joints_like())
-def test_every_line_has_its_unit_and_source(run, tmp_path, monkeypatch, joints):
-    path = tmp_path / "new.toml"
-    run("robots", "new", str(path), "--joints", joints, "--defaults")
+def test_every_line_has_its_unit_and_source(new, monkeypatch, joints):
+    path = new("--joints", joints, "--defaults")[-1]
     own = ("yours", "derived", "assumed", "chosen", "datasheet", *(f"as {name}" for name in joints_like()))
     own += tuple(f"derived for {name}" for name in joints_like())
     monkeypatch.setattr(test_robot_file, "SOURCES", own)
@@ -94,17 +93,9 @@ def test_every_line_has_its_unit_and_source(run, tmp_path, monkeypatch, joints):
     assert "(paper)" not in text  # of the other robot
 
 
-def test_joints_of_another_kind_bring_their_bus(run, tmp_path):
-    path = tmp_path / "new.toml"
-    run("robots", "new", str(path), "--joints", "parallel", "--defaults")
-    robot = load_robot(str(path))
-    assert isinstance(robot.actuator, Bldc)
-    assert robot.bus.kind == "can"
-
-
-def test_it_asks_and_asks_again(answering):
+def test_it_asks_and_asks_again(new):
     typed = ["Big Dog", "dog", "", "", "", "120", "much", "0.15"]
-    code, _, err, path = answering([*typed, *[""] * 20])
+    code, _, err, path = new(typed=[*typed, *[""] * 20])
     assert code == 0
     told = [line for line in err.splitlines() if "allowed" in line]
     assert len(told) == 3
@@ -117,19 +108,19 @@ def test_it_asks_and_asks_again(answering):
     assert robot.stance.rest_height_m == pytest.approx(0.7 * 0.27)
 
 
-def test_only_what_is_missing_is_asked(answering):
+def test_only_what_is_missing_is_asked(new):
     given = {name: value for name, value in BIG.items() if name != "rpm"}
-    code, _, err, path = answering(["40"], *options(given))
+    code, _, err, path = new(*options(given), typed=["40"])
     assert (code, err.strip()) == (0, "its speed without load at that supply, rpm [55.0]:")
     actuator = load_robot(str(path)).actuator
     assert isinstance(actuator, Servo)
     assert actuator.nominal.no_load_rpm == 40
 
 
-def test_answers_that_do_not_go_together_are_told_and_asked_again_with_what_was_said(answering):
+def test_answers_that_do_not_go_together_are_told_and_asked_again_with_what_was_said(new):
     height = next(at for at, each in enumerate(questions()) if each.name == "height")
     first = ["dog", *[""] * (height - 1), "0.3", *[""] * 6]
-    code, _, err, path = answering([*first, *[""] * height, "0.17", *[""] * 6])
+    code, _, err, path = new(typed=[*first, *[""] * height, "0.17", *[""] * 6])
     assert code == 0
     told = [line for line in err.splitlines() if "caramelo: " in line]
     assert len(told) == 1
@@ -138,8 +129,8 @@ def test_answers_that_do_not_go_together_are_told_and_asked_again_with_what_was_
     assert (robot.name, robot.stance.rest_height_m) == ("dog", 0.17)
 
 
-def test_nobody_answers(answering):
-    code, _, err, path = answering(["dog"])
+def test_nobody_answers(new):
+    code, _, err, path = new(typed=["dog"])
     assert code == 2
     assert "stopped: no answer" in err
     assert not path.exists()
@@ -156,31 +147,29 @@ def test_nobody_answers(answering):
         ({"trunk-mass": 90}, "these answers do not go together: gait.sag_compensation"),
     ],
 )
-def test_wrong_options_are_one_line_and_write_nothing(run, tmp_path, change, words):
-    path = tmp_path / "new.toml"
-    code, out, err = run("robots", "new", str(path), *options(BIG | change))
+def test_wrong_options_are_one_line_and_write_nothing(new, change, words):
+    code, out, err, path = new(*options(BIG | change))
     assert (code, out) == (2, "")
     assert words in line_of(err)
     assert not path.exists()
 
 
-def test_a_robot_too_weak_is_written_and_told(run, tmp_path):
-    path = tmp_path / "new.toml"
+def test_a_robot_too_weak_is_written_and_told(new):
     weak = {"joints": "other", "trunk-mass": 6, "stall": 2.8}
-    code, out, _ = run("robots", "new", str(path), *options(weak), "--defaults")
+    code, out, _, path = new(*options(weak), "--defaults")
     assert code == 1
     assert "raise actuator.supply.stall_Nm" in " ".join(out.split())
     assert load_robot(str(path)).name == "mine"
 
 
-def test_a_file_that_is_there_stays(run, tmp_path):
+def test_a_file_that_is_there_stays(new, tmp_path):
     path = tmp_path / "new.toml"
     path.write_text("mine\n")
-    code, _, err = run("robots", "new", str(path), "--defaults")
+    code, _, err, _ = new("--defaults")
     assert code == 2
     assert line_of(err) == f"{path}: the file exists: name another, or overwrite it with --force"
     assert path.read_text() == "mine\n"
-    assert run("robots", "new", str(path), "--defaults", "--force")[0] == 0
+    assert new("--defaults", "--force")[0] == 0
     assert load_robot(str(path)).name == "mine"
 
 
@@ -190,9 +179,9 @@ def test_a_name_that_is_no_file_for_a_robot(run, tmp_path):
     assert line_of(err).endswith("new.txt: give a file that ends in .toml")
 
 
-def test_a_model_that_would_break_the_file(run, tmp_path):
-    path = tmp_path / "new.toml"
-    assert run("robots", "new", str(path), *options(BIG | {"model": 'a "b" \\ c'}))[0] == 0
+def test_a_model_that_would_break_the_file(new):
+    code, _, _, path = new(*options(BIG | {"model": 'a "b" \\ c'}))
+    assert code == 0
     actuator = load_robot(str(path)).actuator
     assert isinstance(actuator, Servo)
     assert actuator.model == 'a "b" \\ c'

@@ -111,29 +111,20 @@ def survivors(folder, seed, count):
                 raise
 
 
-def test_what_passes_the_check_builds(tmp_path):
+@pytest.mark.parametrize(("seed", "count", "least", "in_space"), [
+    (7, 200, 40, False), pytest.param(1, 1500, 300, find_spec("mujoco"), marks=pytest.mark.slow),
+])  # fmt: skip
+def test_of_mutated_files_all_that_pass_the_check_build(tmp_path, seed, count, least, in_space):
     passed = 0
-    for text, robot in survivors(tmp_path, 7, 200):
+    for text, robot in survivors(tmp_path, seed, count):
         passed += 1
         try:
             build_everything(robot)
-        except Exception as error:
-            pytest.fail(f"{error!r} of a file that passed:\n{text}")
-    assert passed > 40
-
-
-@pytest.mark.slow
-def test_of_1500_mutated_files_all_that_pass_build(tmp_path):
-    passed = 0
-    for text, robot in survivors(tmp_path, 1, 1500):
-        passed += 1
-        try:
-            build_everything(robot)
-            if find_spec("mujoco"):
+            if in_space:
                 build_in_space(robot)
         except Exception as error:
             pytest.fail(f"{error!r} of a file that passed:\n{text}")
-    assert passed > 300
+    assert passed > least
 
 
 def with_numbers(tmp_path, robot="caramelo", **numbers):
