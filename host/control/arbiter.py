@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass, field, replace
 
-from shared.gait.gaits import GAIT_NAMES
-
 from .messages import Drive, Message
 
 DEAD_MAN_S = 0.300
@@ -51,7 +49,7 @@ class Arbiter:
     """Takes checked messages of all clients and holds the present commands. Times are monotonic seconds."""
 
     gait: str
-    gaits: tuple[str, ...] = GAIT_NAMES
+    gaits: tuple[str, ...]
     posture: str = "rest"
     balance: bool = True
     driver: Client | None = None

@@ -9,7 +9,7 @@ from .rig import AHEAD, KEYS, OTHER_PAGE, PAD, PAGE, RESET, SCRIPT, STAND, STILL
 
 @pytest.fixture
 def arbiter():
-    return Arbiter(gait="trot")
+    return Arbiter(gait="trot", gaits=("trot", "amble"))
 
 
 def test_first_come_drives_and_a_second_page_does_not(arbiter):
@@ -77,8 +77,7 @@ def test_only_who_may_drive_resets_and_nothing_comes_back_by_itself(arbiter):
     assert arbiter.handle(PAGE, STAND, 0.3)
 
 
-def test_gait_and_balance():
-    arbiter = Arbiter(gait="trot", gaits=("trot", "amble"))
+def test_gait_and_balance(arbiter):
     assert arbiter.handle(PAGE, {"type": "gait", "gait": "amble"}, 0.0)
     assert not arbiter.handle(PAGE, {"type": "gait", "gait": "gallop"}, 0.0)
     assert (arbiter.gait, arbiter.refusal) == ("amble", "no such gait; there are trot, amble")

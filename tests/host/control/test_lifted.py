@@ -17,7 +17,7 @@ from host.sim.imu import SimulatedImu
 from host.sim.space.hand import Hand
 from host.sim.space.plant import SpacePlant
 
-from .rig import AHEAD, STILL, Rig
+from .rig import AHEAD, REST, STILL, Rig
 
 LIFT_M = 0.1
 
@@ -28,7 +28,9 @@ def told(rig):
     return news["state"], news["reason"]
 
 
-def test_the_driver_is_told_and_has_to_let_go_of_the_sticks():
+@pytest.fixture
+def held():
+    """Return a robot that was lifted in mid walk, and the hand that holds it."""
     plant = SpacePlant(load_robot("caramelo"))
     rig = Rig(plant=plant)
     rig.stand()
@@ -38,6 +40,11 @@ def test_the_driver_is_told_and_has_to_let_go_of_the_sticks():
     rig.each = lambda: hand.hold(LIFT_M)
     rig.run(1.0, AHEAD)
     assert told(rig) == ("lifted", PUT_DOWN)
+    return rig, hand
+
+
+def test_the_driver_is_told_and_has_to_let_go_of_the_sticks(held):
+    rig, hand = held
     rig.run(1.0, STILL)
     assert told(rig) == ("lifted", PUT_DOWN), "the sticks alone are not enough"
     place = rig.supervisor.driver.odometry
@@ -54,16 +61,9 @@ def test_the_driver_is_told_and_has_to_let_go_of_the_sticks():
     assert told(rig) == ("walking", "")
 
 
-def test_in_the_hand_it_sits_down_and_lets_go_as_told():
-    plant = SpacePlant(load_robot("caramelo"))
-    rig = Rig(plant=plant)
-    rig.stand()
-    rig.run(3.0, AHEAD)
-    hand = Hand(plant.world)
-    rig.each = lambda: hand.hold(LIFT_M)
-    rig.run(1.0, AHEAD)
-    assert rig.supervisor.state == "lifted"
-    rig.send({"type": "posture", "posture": "rest"})
+def test_in_the_hand_it_sits_down_and_lets_go_as_told(held):
+    rig, _ = held
+    rig.send(REST)
     rig.run(4.0)
     assert (rig.supervisor.state, rig.holding) == ("disarmed", False)
 

@@ -1,7 +1,5 @@
 """Imaginary robots for the tests: drawn at random, measured over the servos' own protocol, compared with the draw."""
 
-from functools import cache
-
 from host.bus.base import JOINTS
 from host.bus.dynamixel.calibration.data import nominal
 from host.identify.carried import in_the_air
@@ -50,7 +48,6 @@ def errors(made: HonestStand, joint: int, fitted: Fitted) -> dict[str, float]:
     return off | {"delay_ms": 1000 * (fitted.delay_s - delay_s)}
 
 
-@cache
 def measured(seed: int, joint: int):
     """Return a robot, one joint's fit, and the supply's resistance as found and as drawn.
 
@@ -64,7 +61,4 @@ def measured(seed: int, joint: int):
     drawn_rad_s = no_loads_rad_s(made)
     share = fitted.values["no_load_rad_s"] / drawn_rad_s[joint]
     found = supply_ohm(SERVO, [share * speed for speed in drawn_rad_s], shaken)
-    return made, traces, fitted, (found, made.plant.made.supply_ohm)
-
-
-__all__ = ["COMPARED", "ROBOT", "SERVO", "errors", "measured", "no_loads_rad_s", "stand", "truth"]
+    return made, fitted, (found, made.plant.made.supply_ohm)
