@@ -45,12 +45,12 @@ class Command:
 class Driver:
     """One robot's planner with SI on both sides; ``rate_hz`` ticks a second."""
 
-    def __init__(self, robot: Robot, rate_hz: int | None = None, planar: bool = False) -> None:
+    def __init__(self, robot: Robot, planar: bool = False) -> None:
         """``planar``: the robot moves in the sagittal plane, where it neither sways sideways nor turns."""
         self.robot = robot
-        self.scale = scale_of(robot, rate_hz)
+        self.scale = scale_of(robot)
         self.rate_hz = self.scale.rate_hz
-        self.planner = Planner(core_params(robot, rate_hz, planar), tuple(own.entry for own in robot.gait.own))
+        self.planner = Planner(core_params(robot, planar=planar), tuple(own.entry for own in robot.gait.own))
         self.command = Command(gait=robot.gait.default)
         self._command = core.Command()
         self._sensed = Sensed()

@@ -122,8 +122,7 @@ def told_of(values: Mapping[str, float]) -> dict[str, float]:
 
 def brothers(fits: Mapping[int, Fitted], joint: int) -> dict[str, float]:
     """Return the medians of all other joints' numbers; the joint's own if there are no others."""
-    others = [fit.values for at, fit in fits.items() if at != joint] or [fits[joint].values]
-    return {name: median(values[name] for values in others) for name in others[0]}
+    return with_middle({at: fit for at, fit in fits.items() if at != joint} or fits).values
 
 
 def judge(joint: int, fits: Mapping[int, Fitted], stick: tuple[float, float]) -> Verdict:
@@ -161,6 +160,5 @@ def with_middle(fits: Mapping[int, Fitted]) -> Fitted:
         name: float(np.std([fit.values[name] for fit in fits.values()])) / max(abs(middle[name]), 1e-12)
         for name in names
     }
-    first = replace(next(iter(fits.values())), values=middle, spread=spread)
-    first.answer_s = median(fit.answer_s for fit in fits.values())
-    return first
+    answer_s = median(fit.answer_s for fit in fits.values())
+    return replace(next(iter(fits.values())), values=middle, spread=spread, answer_s=answer_s)

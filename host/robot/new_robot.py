@@ -17,7 +17,7 @@ from ..util.files import parse_toml
 from .ability import FLAT_FROUDE, ability
 from .actuators import Servo, SupplyPoint
 from .file import checked, explain, find, load_robot, robot_names
-from .model import CalfDrive, Geometry, Link, Robot, Stance
+from .model import CalfDrive, Geometry, Mass, PositiveLength, Robot
 from .toml_text import Change, Changes, changed, shown
 from .trot_tuning import GAIT, SIDE_SHARE, TURN_SHARE
 from .values import Table, number, one_of
@@ -47,22 +47,19 @@ def joints_like() -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Question:
-    """``name`` is the option and the key of its answer; ``table`` and ``field`` say where the value's check is."""
+    """``name`` is the option and the key of its answer; ``allowed`` is the type with which pydantic checks it."""
 
     name: str
     text: str
     default: Callable[[Answers], Answer]
-    table: type[Table]
-    field: str
+    allowed: Any
     asked: Callable[[Answers], bool] = lambda answers: True
-    allowed: Any = None  # its own check, if the file holds the value in another form
 
     def check(self, value: object) -> Answer:
         """Return the answer if the file may hold it, as a number if one is wanted; UserError if not."""
-        told = get_type_hints(self.table, include_extras=True)[self.field] if self.allowed is None else self.allowed
         wanted = number_of(value) if isinstance(value, str) and not isinstance(self.default({}), str) else value
         try:
-            answer: Answer = TypeAdapter(told).validate_python(wanted)
+            answer: Answer = TypeAdapter(self.allowed).validate_python(wanted)
         except ValidationError as error:
             sentence = explain({**error.errors()[0], "loc": (self.name,)}, {})
             raise UserError(sentence + self._hint(wanted)) from None
@@ -104,8 +101,9 @@ def _number(answers: Answers, name: str, otherwise: float | None = None) -> floa
     return value
 
 
-def _span(low_m: float, high_m: float) -> Any:
-    return Annotated[float, number(low_m, high_m, "m")]
+def _as_in(table: type[Table], key: str) -> Any:
+    """Return the type of a key of the robot file."""
+    return get_type_hints(table, include_extras=True)[key]
 
 
 @cache
@@ -116,27 +114,28 @@ def questions() -> tuple[Question, ...]:
     """
     like = Annotated[str, one_of(*joints_like())]
     return (
-        Question("name", "name of the robot", _fixed("mine"), Robot, "name"),
-        Question("front_rear", "from front to rear hip axes, m", _fixed(0.229), Robot, "", allowed=_span(0.04, 3.0)),
-        Question("left_right", "from left to right hip axes, m", _fixed(0.14), Robot, "", allowed=_span(0.02, 3.0)),
-        Question("hip_offset", "hip axis to the plane of the leg, m", _fixed(0.048), Geometry, "hip_offset_m"),
-        Question("thigh", "thigh joint to knee, m", _fixed(0.12), Geometry, "thigh_m"),
-        Question("calf", "knee to the middle of the foot, m", _fixed(0.12), Geometry, "calf_m"),
-        Question("foot_radius", "radius of the round foot, m", _fixed(0.012), Geometry, "foot_radius_m"),
+        Question("name", "name of the robot", _fixed("mine"), _as_in(Robot, "name")),
+        Question("front_rear", "from front to rear hip axes, m", _fixed(0.229), Annotated[float, number(0.04, 3.0, "m")]),
+        Question("left_right", "from left to right hip axes, m", _fixed(0.14), Annotated[float, number(0.02, 3.0, "m")]),
+        Question("hip_offset", "hip axis to the plane of the leg, m", _fixed(0.048), _as_in(Geometry, "hip_offset_m")),
+        Question("thigh", "thigh joint to knee, m", _fixed(0.12), PositiveLength),
+        Question("calf", "knee to the middle of the foot, m", _fixed(0.12), PositiveLength),
+        Question("foot_radius", "radius of the round foot, m", _fixed(0.012), _as_in(Geometry, "foot_radius_m")),
         Question("knees", "knees: full-elbow (all behind the hips), full-knee, elbow-knee, knee-elbow",
-                 _fixed("full-elbow"), Geometry, "knee_configuration"),
-        Question("height", "hip axis above the foot when it stands, m", _rest_height, Stance, "rest_height_m"),
-        Question("trunk_mass", "body without legs, with hip motors and battery, kg", _fixed(1.284), Link, "mass_kg"),
-        Question("hip_mass", "one hip, between hip axis and thigh joint, kg", _fixed(0.077), Link, "mass_kg"),
-        Question("thigh_mass", "one thigh, kg", _fixed(0.118), Link, "mass_kg"),
-        Question("calf_mass", "one calf with its foot, kg", _fixed(0.035), Link, "mass_kg"),
-        Question("calf_motor", "calf motor on the thigh, or on the body with a rod", _fixed("thigh"), CalfDrive,
-                 "motor_on"),
-        Question("joints", "joints like those of which robot", _fixed("caramelo"), Robot, "", allowed=like),
-        Question("model", "the servo's name", _fixed("my servo"), Servo, "model", _is_unknown),
-        Question("volts", "its supply voltage, V", _fixed(12.0), SupplyPoint, "voltage_V", _is_unknown),
-        Question("stall", "its stall torque at that supply, N m", _fixed(2.5), SupplyPoint, "stall_Nm", _is_unknown),
-        Question("rpm", "its speed without load at that supply, rpm", _fixed(55.0), SupplyPoint, "no_load_rpm",
+                 _fixed("full-elbow"), _as_in(Geometry, "knee_configuration")),
+        Question("height", "hip axis above the foot when it stands, m", _rest_height, PositiveLength),
+        Question("trunk_mass", "body without legs, with hip motors and battery, kg", _fixed(1.284), Mass),
+        Question("hip_mass", "one hip, between hip axis and thigh joint, kg", _fixed(0.077), Mass),
+        Question("thigh_mass", "one thigh, kg", _fixed(0.118), Mass),
+        Question("calf_mass", "one calf with its foot, kg", _fixed(0.035), Mass),
+        Question("calf_motor", "calf motor on the thigh, or on the body with a rod", _fixed("thigh"),
+                 _as_in(CalfDrive, "motor_on")),
+        Question("joints", "joints like those of which robot", _fixed("caramelo"), like),
+        Question("model", "the servo's name", _fixed("my servo"), _as_in(Servo, "model"), _is_unknown),
+        Question("volts", "its supply voltage, V", _fixed(12.0), _as_in(SupplyPoint, "voltage_V"), _is_unknown),
+        Question("stall", "its stall torque at that supply, N m", _fixed(2.5), _as_in(SupplyPoint, "stall_Nm"),
+                 _is_unknown),
+        Question("rpm", "its speed without load at that supply, rpm", _fixed(55.0), _as_in(SupplyPoint, "no_load_rpm"),
                  _is_unknown),
     )  # fmt: skip
 
