@@ -270,6 +270,10 @@ class Supervisor:
         self.bus.torque(False)
         self.armed, self._limit = False, None
 
+    def fastest(self) -> tuple[float, float, float]:
+        """Return the gait's top commands: forward and sideways, m/s, and turning, rad/s."""
+        return self.driver.fastest(self.arbiter.gait)
+
     def _limit_torque(self) -> None:
         limit = torque_limit(self.robot, self.driver.state)
         if limit != self._limit:

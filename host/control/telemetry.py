@@ -134,7 +134,7 @@ def _gait(supervisor: Supervisor) -> dict[str, Any]:
         "margin_m": round(margin_m(driver), 4) if supervisor.armed else None,
         "balance": arbiter.balance,
         "speed": rounded(_speed(supervisor), 4),
-        "fastest": rounded(driver.fastest(arbiter.gait), 4),
+        "fastest": rounded(supervisor.fastest(), 4),
         "slower": slower(supervisor),
         "odometry": rounded(astuple(odometry)[:6], 4),
         "covariance": rounded(odometry.covariance, 9),

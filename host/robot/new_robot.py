@@ -47,13 +47,20 @@ def joints_like() -> dict[str, str]:
 
 @dataclass(frozen=True)
 class Question:
-    """``name`` is the option and the key of its answer; ``allowed`` is the type with which pydantic checks it."""
+    """``name`` is the option and the key of its answer; ``allowed`` is the type with which pydantic checks it.
+
+    ``usual``: the default, or how it follows from earlier answers.
+    """
 
     name: str
     text: str
-    default: Callable[[Answers], Answer]
+    usual: Answer | Callable[[Answers], Answer]
     allowed: Any
     asked: Callable[[Answers], bool] = lambda answers: True
+
+    def default(self, answers: Answers) -> Answer:
+        """Return what to offer after these answers."""
+        return self.usual(answers) if callable(self.usual) else self.usual
 
     def check(self, value: object) -> Answer:
         """Return the answer if the file may hold it, as a number if one is wanted; UserError if not."""
@@ -83,10 +90,6 @@ def number_of(text: str) -> object:
         return text
 
 
-def _fixed(value: Answer) -> Callable[[Answers], Answer]:
-    return lambda answers: value
-
-
 def _rest_height(answers: Answers) -> float:
     return round(REST_SHARE * (_number(answers, "thigh", 0.12) + _number(answers, "calf", 0.12)), 3)
 
@@ -114,28 +117,27 @@ def questions() -> tuple[Question, ...]:
     """
     like = Annotated[str, one_of(*joints_like())]
     return (
-        Question("name", "name of the robot", _fixed("mine"), _as_in(Robot, "name")),
-        Question("front_rear", "from front to rear hip axes, m", _fixed(0.229), Annotated[float, number(0.04, 3.0, "m")]),
-        Question("left_right", "from left to right hip axes, m", _fixed(0.14), Annotated[float, number(0.02, 3.0, "m")]),
-        Question("hip_offset", "hip axis to the plane of the leg, m", _fixed(0.048), _as_in(Geometry, "hip_offset_m")),
-        Question("thigh", "thigh joint to knee, m", _fixed(0.12), PositiveLength),
-        Question("calf", "knee to the middle of the foot, m", _fixed(0.12), PositiveLength),
-        Question("foot_radius", "radius of the round foot, m", _fixed(0.012), _as_in(Geometry, "foot_radius_m")),
-        Question("knees", "knees: full-elbow (all behind the hips), full-knee, elbow-knee, knee-elbow",
-                 _fixed("full-elbow"), _as_in(Geometry, "knee_configuration")),
+        Question("name", "name of the robot", "mine", _as_in(Robot, "name")),
+        Question("front_rear", "from front to rear hip axes, m", 0.229, Annotated[float, number(0.04, 3.0, "m")]),
+        Question("left_right", "from left to right hip axes, m", 0.14, Annotated[float, number(0.02, 3.0, "m")]),
+        Question("hip_offset", "hip axis to the plane of the leg, m", 0.048, _as_in(Geometry, "hip_offset_m")),
+        Question("thigh", "thigh joint to knee, m", 0.12, PositiveLength),
+        Question("calf", "knee to the middle of the foot, m", 0.12, PositiveLength),
+        Question("foot_radius", "radius of the round foot, m", 0.012, _as_in(Geometry, "foot_radius_m")),
+        Question("knees", "knees: full-elbow (all behind the hips), full-knee, elbow-knee, knee-elbow", "full-elbow",
+                 _as_in(Geometry, "knee_configuration")),
         Question("height", "hip axis above the foot when it stands, m", _rest_height, PositiveLength),
-        Question("trunk_mass", "body without legs, with hip motors and battery, kg", _fixed(1.284), Mass),
-        Question("hip_mass", "one hip, between hip axis and thigh joint, kg", _fixed(0.077), Mass),
-        Question("thigh_mass", "one thigh, kg", _fixed(0.118), Mass),
-        Question("calf_mass", "one calf with its foot, kg", _fixed(0.035), Mass),
-        Question("calf_motor", "calf motor on the thigh, or on the body with a rod", _fixed("thigh"),
+        Question("trunk_mass", "body without legs, with hip motors and battery, kg", 1.284, Mass),
+        Question("hip_mass", "one hip, between hip axis and thigh joint, kg", 0.077, Mass),
+        Question("thigh_mass", "one thigh, kg", 0.118, Mass),
+        Question("calf_mass", "one calf with its foot, kg", 0.035, Mass),
+        Question("calf_motor", "calf motor on the thigh, or on the body with a rod", "thigh",
                  _as_in(CalfDrive, "motor_on")),
-        Question("joints", "joints like those of which robot", _fixed("caramelo"), like),
-        Question("model", "the servo's name", _fixed("my servo"), _as_in(Servo, "model"), _is_unknown),
-        Question("volts", "its supply voltage, V", _fixed(12.0), _as_in(SupplyPoint, "voltage_V"), _is_unknown),
-        Question("stall", "its stall torque at that supply, N m", _fixed(2.5), _as_in(SupplyPoint, "stall_Nm"),
-                 _is_unknown),
-        Question("rpm", "its speed without load at that supply, rpm", _fixed(55.0), _as_in(SupplyPoint, "no_load_rpm"),
+        Question("joints", "joints like those of which robot", "caramelo", like),
+        Question("model", "the servo's name", "my servo", _as_in(Servo, "model"), _is_unknown),
+        Question("volts", "its supply voltage, V", 12.0, _as_in(SupplyPoint, "voltage_V"), _is_unknown),
+        Question("stall", "its stall torque at that supply, N m", 2.5, _as_in(SupplyPoint, "stall_Nm"), _is_unknown),
+        Question("rpm", "its speed without load at that supply, rpm", 55.0, _as_in(SupplyPoint, "no_load_rpm"),
                  _is_unknown),
     )  # fmt: skip
 
