@@ -7,7 +7,7 @@ ticks to come.
 
 import gc
 import time
-from collections import deque
+from collections import defaultdict, deque
 from collections.abc import Callable
 from typing import Any, Protocol
 
@@ -43,8 +43,8 @@ class Loop:
         self._source: Source | None = None
         # By source: time from the sender's time stamp to the packet on the bus, s, by the wall clock; only if both use
         # the same clock. Without a stamp a stop's time counts from when its source was last seen without input.
-        self.command_s: dict[str, deque[float]] = {}
-        self.stop_s: dict[str, deque[float]] = {}
+        self.command_s: dict[str, deque[float]] = defaultdict(lambda: deque(maxlen=KEPT))
+        self.stop_s: dict[str, deque[float]] = defaultdict(lambda: deque(maxlen=KEPT))
         # When the bus last got goals after the sticks had moved, and a stop; None: never.
         self.steered_at_s: float | None = None
         self.stopped_at_s: float | None = None
@@ -109,12 +109,12 @@ class Loop:
         if pending.moved:
             self.steered_at_s = self.clock()
         if pending.t_ms is not None:
-            _keep(self.command_s, pending.source, time.time() - pending.t_ms / 1000)
+            self.command_s[pending.source].append(time.time() - pending.t_ms / 1000)
 
     def _clock_stop(self, client: Client, t_ms: float | None, came_s: float) -> None:
         self.stopped_at_s = self.clock()
         taken_s = self.stopped_at_s - came_s if t_ms is None else time.time() - t_ms / 1000
-        _keep(self.stop_s, client.source, taken_s)
+        self.stop_s[client.source].append(taken_s)
 
     def timing(self) -> dict[str, Any]:
         """Return the ticks' figures, and how long commands and stops took to reach the bus, ms."""
@@ -124,7 +124,3 @@ class Loop:
             "command_to_packet_ms": {source: figures_ms(seconds) for source, seconds in self.command_s.items()},
             "stop_to_packet_ms": {source: figures_ms(seconds) for source, seconds in self.stop_s.items()},
         }
-
-
-def _keep(by_source: dict[str, deque[float]], source: str, seconds: float) -> None:
-    by_source.setdefault(source, deque(maxlen=KEPT)).append(seconds)

@@ -109,7 +109,8 @@ class Supervisor:
         self._watch_gait()
         self._notices.look(self.driver.flags, self.armed)
         if self.armed and self.driver.state == "limp" and self.driver.command.mode == "limp":
-            self._disarm()
+            self.bus.torque(False)
+            self.armed, self._limit = False, None
         if self.armed:
             self._limit_torque()
             self.bus.write(self.goals)
@@ -265,10 +266,6 @@ class Supervisor:
             self.safety.raise_fault(Fault("limp", "arming", str(error)))
             return
         self.armed, self._stopped = True, False
-
-    def _disarm(self) -> None:
-        self.bus.torque(False)
-        self.armed, self._limit = False, None
 
     def fastest(self) -> tuple[float, float, float]:
         """Return the gait's top commands: forward and sideways, m/s, and turning, rad/s."""

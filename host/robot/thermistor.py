@@ -33,10 +33,6 @@ class Part(NamedTuple):
         inverse = 1 / 298.15 + log(ohm / self.ohm_25C) / self.beta_K
         return 1 / inverse - 273.15 if inverse > 1e-4 else inf
 
-    def read_celsius(self, raw: int) -> float:
-        """Return the temperature of a reading of 1 .. 4095 counts."""
-        return self.celsius(self.pull_up_ohm * raw / (4096 - raw))
-
     def counts(self, celsius: float) -> int:
         """Return the ADC's reading at a temperature."""
         if self.kind == "ptc":
@@ -59,7 +55,7 @@ def curve(part: Part) -> tuple[int, ...]:
     Between points a distance h apart a straight line is off by h^2 / 8 times the curve's second derivative: with as
     much of its root between any two points, the error is the same everywhere. Zeros if there is no curve to speak of.
     """
-    celsius = {raw: part.read_celsius(raw) for raw in range(1, 4096)}
+    celsius = {raw: part.celsius(part.pull_up_ohm * raw / (4096 - raw)) for raw in range(1, 4096)}
     inside = [raw for raw, value in celsius.items() if CURVE_C[0] <= value <= CURVE_C[1]]
     bends = list(accumulate(sqrt(abs(celsius[raw - 1] - 2 * celsius[raw] + celsius[raw + 1])) for raw in inside[1:-1]))
     if not bends:

@@ -20,6 +20,11 @@ def few_sweeps(monkeypatch):
     monkeypatch.setattr(sweeping, "plan", lambda *args: [sweep for sweep in plan(*args) if sweep.name in FEW])
 
 
+@pytest.fixture
+def made():
+    return stand(3)
+
+
 def holding(made):
     return [joint for joint, servo in enumerate(made.bus.servos) if servo.get(t.TORQUE_ENABLE)]
 
@@ -37,8 +42,8 @@ def test_runs_begin_where_the_weight_lays_the_play(joint):
         assert abs(load.at_scalar(sweep.start_rad)) > FALLS_RAD_S2 * load.inertia_kg_m2, sweep.name
 
 
-def test_only_the_leg_of_the_joint_holds_and_then_nothing_does():
-    made, seen = stand(3), set[int]()
+def test_only_the_leg_of_the_joint_holds_and_then_nothing_does(made):
+    seen = set[int]()
     traces = sweeping.sweep_joint(made.rig, 4, lambda share: seen.update(holding(made)))
     assert seen == {3, 4, 5}
     assert holding(made) == []
@@ -46,9 +51,7 @@ def test_only_the_leg_of_the_joint_holds_and_then_nothing_does():
     assert -1.0 in next(trace for trace in traces if trace.name.startswith("coast")).most
 
 
-def test_ctrl_c_leaves_all_joints_limp_and_nothing_half_written(tmp_path):
-    made = stand(3)
-
+def test_ctrl_c_leaves_all_joints_limp_and_nothing_half_written(made, tmp_path):
     def interrupt(what, share):
         if what == "FR thigh":
             raise KeyboardInterrupt
@@ -62,8 +65,7 @@ def test_ctrl_c_leaves_all_joints_limp_and_nothing_half_written(tmp_path):
     assert set(said) == {"FR thigh", "FR calf"}  # the hip is kept
 
 
-def test_what_is_kept_is_read_as_it_was(tmp_path):
-    made = stand(3)
+def test_what_is_kept_is_read_as_it_was(made, tmp_path):
     traces = sweeping.sweep_joint(made.rig, 2)
     path = keeping.path_of(tmp_path, 2)
     keeping.keep_traces(path, ROBOT, traces)
@@ -75,9 +77,7 @@ def test_what_is_kept_is_read_as_it_was(tmp_path):
         keeping.kept_traces(path, ROBOT)
 
 
-def test_a_servo_that_falls_silent_ends_it_with_all_joints_limp():
-    made = stand(3)
-
+def test_a_servo_that_falls_silent_ends_it_with_all_joints_limp(made):
     def unplug(share):
         made.bus.servo(made.rig.calibration.ids[0]).missing = True
 
@@ -86,17 +86,14 @@ def test_a_servo_that_falls_silent_ends_it_with_all_joints_limp():
     assert [joint for joint in holding(made) if joint] == []
 
 
-def test_a_hot_servo_ends_it():
-    made = stand(3)
+def test_a_hot_servo_ends_it(made):
     made.bus.servo(made.rig.calibration.ids[1]).put(t.PRESENT_TEMPERATURE, 79)
     with pytest.raises(ServoError, match="79 C, allowed 75"):
         sweeping.sweep_joint(made.rig, 1)
     assert holding(made) == []
 
 
-def test_a_joint_that_leaves_its_place_is_let_go():
-    made = stand(3)
-
+def test_a_joint_that_leaves_its_place_is_let_go(made):
     def knock(share):
         made.plant._joints[1].position_rad += 0.9
 
@@ -118,10 +115,9 @@ def test_a_robot_without_room_for_sweeps_is_refused():
         sweeping.sweeps_of(ROBOT.model_copy(update={"joint_limits": limits}), 2)
 
 
-def test_swaying_reads_all_joints_and_lets_go(monkeypatch):
+def test_swaying_reads_all_joints_and_lets_go(made, monkeypatch):
     poses = [sweeping._shifted(ROBOT, (0, 0, 0.001 * k)) for k in range(9)]
     monkeypatch.setattr(sweeping, "_sway", lambda robot: poses)
-    made = stand(3)
     made.put_on_ground()
     rows = sweeping.stand_and_sway(made.rig)
     assert len(rows) == 9

@@ -2,7 +2,6 @@
 
 import math
 import re
-import tomllib
 from pathlib import Path
 
 import pytest
@@ -315,10 +314,9 @@ def test_what_is_not_a_robot_file_is_refused_in_one_line(tmp_path, content, word
     ("table", "value"), [("geometry", "3"), ("actuator", '"servo"'), ("links", "[1]"), ("bus", "{}")]
 )
 def test_a_value_where_a_table_belongs(tmp_path, table, value):
-    data = tomllib.loads((FOLDER / "caramelo.toml").read_text())
     text = (FOLDER / "caramelo.toml").read_text()
     pattern = rf"(?ms)^\[\[?{table}[.\]].*?(?=^\[(?!\[?{table}[.\]])|\Z)"
-    assert table in data
+    assert re.search(pattern, text)
     path = tmp_path / "bad.toml"
     path.write_text(f"{table} = {value}\n" + re.sub(pattern, "", text))
     assert refusal(path).startswith(f"{path}: {table}")
