@@ -42,13 +42,11 @@ def exchange_phase(driver: Driver) -> str:
 
 def change_reason(driver: Driver) -> str:
     """Return why trot and crawl last took over from each other, "" if they did not."""
-    crawls = exchange_phase(driver) != ""
+    not_for_it = "the commanded gait or direction is not one for the crawl"
     return {
         handover.REASON_NONE: "",
         handover.REASON_HELD: "held up: its swings meet something again and again",
-        handover.REASON_COMMAND: "the crawl was commanded"
-        if crawls
-        else "the commanded gait or direction is not one for the crawl",
+        handover.REASON_COMMAND: "the crawl was commanded" if exchange_phase(driver) else not_for_it,
         handover.REASON_EVEN: f"even ground under the last {LEGS_EVEN} footholds",
     }[driver.planner.status.reason]
 

@@ -31,6 +31,11 @@ Attitude = tuple[float, float] | None
 Rates = tuple[float, float, float] | None
 # The planner's state in the driver's words.
 _WORDS = {"limp": "disarmed", "folding": "standing up", "rising": "standing up", "seated": "sitting"}
+# What it does in them instead of walking.
+_UP_OR_DOWN = {
+    "folding": "it lies on its belly and folds its legs", "rising": "wait until it stands", "sitting": "sitting down",
+    "seated": "seated: stand up first",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -308,11 +313,8 @@ class Supervisor:
             return "the program ends: the robot sits down and lets go"
         if self.driver.lifted:
             return self.driver.lifted
-        if planner in ("folding", "rising", "sitting"):
-            return {"folding": "it lies on its belly and folds its legs", "rising": "wait until it stands"}.get(
-                planner, "sitting down")
-        if planner == "seated":
-            return "seated: stand up first"
+        if planner in _UP_OR_DOWN:
+            return _UP_OR_DOWN[planner]
         if arbiter.driver is None:
             return "nobody drives: take the controls"
         if not arbiter.fresh(now_s):
