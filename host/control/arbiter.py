@@ -76,6 +76,7 @@ class Arbiter:
         return obeyed
 
     def _obey(self, client: Client, message: Message) -> bool:
+        """Do what the driver says; False if it is refused."""
         kind = message["type"]
         if kind == "reset":
             self.stop, self.posture, self.drive = None, "rest", Drive()

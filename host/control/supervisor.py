@@ -31,7 +31,7 @@ Attitude = tuple[float, float] | None
 Rates = tuple[float, float, float] | None
 # The planner's state in the driver's words.
 _WORDS = {"limp": "disarmed", "folding": "standing up", "rising": "standing up", "seated": "sitting"}
-# What it does in them instead of walking.
+# In these states it does not walk yet, or no longer: what it does instead.
 _UP_OR_DOWN = {
     "folding": "it lies on its belly and folds its legs", "rising": "wait until it stands", "sitting": "sitting down",
     "seated": "seated: stand up first",
@@ -147,8 +147,7 @@ class Supervisor:
         """Why the gait changed, what the crawl met."""
         if self.driver.state != "walking":
             return ()
-        crawls = exchange_phase(self.driver)
-        return self.exchanged, crawl_event(self.driver) if crawls else ""
+        return self.exchanged, crawl_event(self.driver) if exchange_phase(self.driver) else ""
 
     def leave(self) -> None:
         """Sit down and let go in the ticks to come; nobody drives any more."""
@@ -251,8 +250,7 @@ class Supervisor:
         if posture == "stand":
             folds = self.driver.state == "folding" or (self.driver.state == "limp" and self.stretched() != "")
             return "fold" if folds else "walk" if sticks.moves else "stand"
-        seated = self.driver.state == "seated"
-        return "limp" if posture == "rest" and seated else "sit"
+        return "limp" if posture == "rest" and self.driver.state == "seated" else "sit"
 
     def _arm(self) -> None:
         """Switch the torque on, limited, with goals where the joints are; a bad line makes this take several ticks."""

@@ -142,8 +142,18 @@ class JointFit:
             self._columns = everything
 
     def _from_grid(self, x: Array, play: float, late: float, heavier: Sequence[float]) -> tuple[Array, float]:
+        """Start again from the best of a grid: so much more and less play and delay, times so much armature."""
         self._settle(x)
-        return self._best_of(self._grid(x, play, late, heavier))
+        at_play, at_late, at_rotor = (self._free.index(name) for name in ("backlash_rad", "act_s", "armature_kg_m2"))
+        least = 0.02 - self.base["backlash_rad"] / SHIFTS["backlash_rad"]
+        tries = []
+        for u, v, w in product(np.linspace(-1, 1, 11), np.linspace(-1, 1, 7), heavier):
+            y = x.copy()
+            y[at_play] = max(y[at_play] + u * play / SHIFTS["backlash_rad"], least)
+            y[at_late] += v * late / SHIFTS["act_s"]
+            y[at_rotor] += log(w)
+            tries.append(y)
+        return self._best_of(np.array(tries))
 
     def _down_the_valley(self, x: Array) -> tuple[Array, float]:
         for _ in range(VALLEYS):
@@ -218,18 +228,6 @@ class JointFit:
         extra = 0 if self.ground is None else len(self.ground.duty)
         by_p = sum(len(trace.load) for trace in self.traces if by_p_law(trace))
         return int(sum(np.sum(moving) + 1 for moving in self._moves.values())) + by_p + extra
-
-    def _grid(self, x: Array, play: float, late: float, heavier: Sequence[float]) -> Array:
-        at_play, at_late, at_rotor = (self._free.index(name) for name in ("backlash_rad", "act_s", "armature_kg_m2"))
-        least = 0.02 - self.base["backlash_rad"] / SHIFTS["backlash_rad"]
-        tries = []
-        for u, v, w in product(np.linspace(-1, 1, 11), np.linspace(-1, 1, 7), heavier):
-            y = x.copy()
-            y[at_play] = max(y[at_play] + u * play / SHIFTS["backlash_rad"], least)
-            y[at_late] += v * late / SHIFTS["act_s"]
-            y[at_rotor] += log(w)
-            tries.append(y)
-        return np.array(tries)
 
     def _values(self, tries: Array) -> dict[str, Array]:
         """Return numbers from unknowns, a row per try; friction at rest and at speed stand for dry and viscous."""

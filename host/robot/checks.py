@@ -152,8 +152,7 @@ def poses_are_reachable(robot: Robot) -> Iterator[Complaint]:
 
 def why_unreachable(robot: Robot, leg: int, height_m: float) -> str:
     """Return why a standing leg can't have its hip ``height_m`` above its foot, or "" if it can."""
-    foot = robot.foot_m(leg, height_m)
-    joints = leg_to_rad(robot, leg, foot)
+    joints = leg_to_rad(robot, leg, robot.foot_m(leg, height_m))
     if joints is None:
         return "does not reach the ground there"
     for name, angle, (low, high) in zip(JOINT_NAMES, joints, robot.joint_limits_rad(leg), strict=True):

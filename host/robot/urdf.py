@@ -89,8 +89,7 @@ def _shape(link: Xml.Element, shape: Shape) -> None:
 def _size(shape: Shape) -> dict[str, str]:
     if shape.kind == "box":
         return {"size": _vector(shape.size_m)}
-    names = ("radius", "length")
-    return {name: f"{value:.9g}" for name, value in zip(names, shape.size_m, strict=False)}
+    return {name: f"{value:.9g}" for name, value in zip(("radius", "length"), shape.size_m, strict=False)}
 
 
 def _joint(root: Xml.Element, name: str, kind: str, parent: str, child: str, at_m: Iterable[float]) -> Xml.Element:
