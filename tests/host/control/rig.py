@@ -35,7 +35,7 @@ class Silence:
 class Rig:
     """One robot, in the plane unless ``plant`` is another.
 
-    ``run`` ticks, sending ``message`` every 0.1 s as ``client``; ``each`` is called before each tick.
+    ``run`` ticks and sends as ``client``: ``first`` once, ``message`` every 0.1 s; ``each`` is called before each tick.
     """
 
     def __init__(self, name="caramelo", plant=None):
@@ -64,7 +64,9 @@ class Rig:
     def send(self, message, client=SCRIPT):
         return self.loop.receive(client, message)
 
-    def run(self, seconds, message=None, client=SCRIPT):
+    def run(self, seconds, message=None, client=SCRIPT, first=None):
+        if first is not None:
+            self.send(first, client)
         for tick in range(round(seconds / self.loop.pacer.period_s)):
             if message is not None and tick % 5 == 0:
                 self.send(message, client)
@@ -77,8 +79,7 @@ class Rig:
         self.run(0.2)
         while self.attitude.state == "aligning" and self.now_s < ALIGNED_S:
             self.run(0.1)
-        self.send(STAND, client)
-        self.run(3.0, STILL, client)
+        self.run(3.0, STILL, client, first=STAND)
         assert self.supervisor.state == "standing"
 
     @property

@@ -24,8 +24,7 @@ class Thrown:
         self.plant = SpacePlant(load_robot(name))
         self.rig = Rig(name, self.plant)
         self.rig.run(0.2)
-        self.rig.send(STAND)
-        self.rig.run(5.0, STILL)
+        self.rig.run(5.0, STILL, first=STAND)
         self.rig.run(1.3, AHEAD)
         self.over_s = self.limp_s = None
         force_N = change_m_s * self.rig.robot.mass_kg / PUSHED_S
@@ -117,16 +116,14 @@ def test_nothing_moves_before_it_is_told_and_a_stop_acts_in_it():
     robot = Lying("caramelo", 1)
     assert robot.rig.supervisor.stretched()
     assert robot.rig.reason == "the joints are off: stand up first"
-    robot.rig.send(STAND)
-    robot.rig.run(1.0, STILL)
+    robot.rig.run(1.0, STILL, first=STAND)
     assert robot.rig.supervisor.driver.state == "folding"
     assert robot.rig.reason == "it lies on its belly and folds its legs"
     robot.rig.send(STOP)
     assert not robot.rig.holding
     robot.rig.run(1.0, STILL)
     assert not robot.rig.holding
-    robot.rig.send(RESET)
-    robot.rig.run(0.5, STILL)
+    robot.rig.run(0.5, STILL, first=RESET)
     assert not robot.rig.holding
     assert robot.rig.put_back == 0
     assert robot.stands_after_s() < 12.0
@@ -134,10 +131,8 @@ def test_nothing_moves_before_it_is_told_and_a_stop_acts_in_it():
 
 def test_told_to_let_go_while_it_gets_up_it_sits_and_lets_go():
     robot = Lying("caramelo", 1)
-    robot.rig.send(STAND)
-    robot.rig.run(1.0, STILL)
-    robot.rig.send(REST)
-    robot.rig.run(8.0)
+    robot.rig.run(1.0, STILL, first=STAND)
+    robot.rig.run(8.0, first=REST)
     assert (robot.rig.supervisor.state, robot.rig.holding) == ("disarmed", False)
 
 
@@ -154,8 +149,7 @@ def test_from_elsewhere_a_true_sentence(roll_deg, pitch_deg, where, monkeypatch)
     rig.run(0.1)
     told = f"the robot has fallen over onto its {where}: put it on its feet, because it can't turn over by itself"
     for message in (STILL, RESET, STAND, RESET, STAND):
-        rig.send(message)
-        rig.run(0.1)
+        rig.run(0.1, first=message)
         assert (rig.supervisor.state, rig.holding, rig.reason) == ("fault", False, f"{told}; then reset")
 
 
@@ -166,12 +160,9 @@ def test_thrown_onto_its_belly_it_is_reset_and_gets_up():
     assert max(map(abs, robot.plant.world.attitude_rad()[:2])) < FALLEN_RAD
     assert rig.reason == (
         "the robot has fallen and lies on its belly: it can get up by itself; keep clear of its legs; then reset")
-    rig.send(STAND)
-    rig.run(1.0, STILL)
+    rig.run(1.0, STILL, first=STAND)
     assert not rig.holding
-    rig.send(RESET)
-    rig.run(1.0, STILL)
+    rig.run(1.0, STILL, first=RESET)
     assert (rig.supervisor.state, rig.holding, rig.put_back) == ("disarmed", False, 0)
-    rig.send(STAND)
-    rig.run(12.0, STILL)
+    rig.run(12.0, STILL, first=STAND)
     assert (rig.supervisor.state, rig.reason) == ("standing", "the sticks are at rest")

@@ -63,8 +63,7 @@ def test_the_driver_is_told_and_has_to_let_go_of_the_sticks(held):
 
 def test_in_the_hand_it_sits_down_and_lets_go_as_told(held):
     rig, _ = held
-    rig.send(REST)
-    rig.run(4.0)
+    rig.run(4.0, first=REST)
     assert (rig.supervisor.state, rig.holding) == ("disarmed", False)
 
 

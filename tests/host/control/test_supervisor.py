@@ -24,8 +24,7 @@ def test_up_walk_and_down_again(rig):
     rig.run(0.1)
     assert (rig.supervisor.state, rig.reason) == ("disarmed", "the joints are off: stand up first")
     assert not rig.holding
-    rig.send(STAND)
-    rig.run(0.1)
+    rig.run(0.1, first=STAND)
     assert (rig.supervisor.state, rig.holding) == ("standing up", True)
     assert rig.bus.plant.drives.limit[0] == rig.robot.stand.torque_fraction
     rig.run(3.0, STILL)
@@ -33,8 +32,7 @@ def test_up_walk_and_down_again(rig):
     assert rig.bus.plant.drives.limit[0] == 1.0
     rig.run(1.0, AHEAD)
     assert (rig.supervisor.state, rig.reason) == ("walking", "")
-    rig.send(REST)
-    rig.run(8.0)
+    rig.run(8.0, first=REST)
     assert (rig.supervisor.state, rig.holding) == ("disarmed", False)
     states = [change.state for change in rig.supervisor.changes]
     order = [state for at, state in enumerate(states) if at == 0 or states[at - 1] != state]
@@ -43,11 +41,9 @@ def test_up_walk_and_down_again(rig):
 
 def test_crawling_and_sitting_have_their_names(rig):
     rig.stand()
-    rig.send({"type": "gait", "gait": "crawl"})
-    rig.run(0.5, AHEAD)
+    rig.run(0.5, AHEAD, first={"type": "gait", "gait": "crawl"})
     assert rig.supervisor.state == "crawling"
-    rig.send(SIT)
-    rig.run(10.0)
+    rig.run(10.0, first=SIT)
     assert (rig.supervisor.state, rig.holding) == ("sitting", True)
     assert rig.reason == "seated: stand up first"
     assert {change.state for change in rig.supervisor.changes} <= set(STATES)
@@ -73,11 +69,9 @@ def test_a_stop_lets_go_before_the_next_tick(rig, who):
     rig.run(1.0, AHEAD)
     assert (rig.supervisor.state, rig.holding) == ("disarmed", False)
     assert rig.reason == f"emergency stop by {who}: reset it, then stand up"
-    rig.send(RESET)
-    rig.run(0.5, AHEAD)
+    rig.run(0.5, AHEAD, first=RESET)
     assert not rig.holding, "a reset alone moves nothing"
-    rig.send(STAND)
-    rig.run(0.1)
+    rig.run(0.1, first=STAND)
     assert rig.supervisor.state == "standing up"
 
 
@@ -94,8 +88,7 @@ def test_a_tripped_joint_is_named_and_the_robot_sits_down(rig, monkeypatch):
     assert rig.supervisor.state == "fault", "it is still there"
     monkeypatch.undo()
     rig.run(0.1)
-    rig.send(RESET)
-    rig.run(0.5, STILL)
+    rig.run(0.5, STILL, first=RESET)
     assert (rig.supervisor.state, rig.holding) == ("disarmed", False)
 
 
@@ -127,47 +120,39 @@ def test_after_a_stop_in_mid_walk_it_gets_up_again(rig, walked_s, stretched):
     """Limp, it may lie on its belly, the legs to the rear; rising from there would tip it over its nose."""
     rig.stand()
     rig.run(walked_s, QUICK)
-    rig.send(STOP)
-    rig.run(2.0)
+    rig.run(2.0, first=STOP)
     assert bool(rig.supervisor.stretched()) == stretched
-    rig.send(RESET)
-    rig.run(0.1)
+    rig.run(0.1, first=RESET)
     assert rig.put_back == stretched
     assert rig.reason == "the joints are off: stand up first"
-    rig.send(STAND)
-    rig.run(4.0, STILL)
+    rig.run(4.0, STILL, first=STAND)
     assert (rig.supervisor.state, rig.reason) == ("standing", "the sticks are at rest")
 
 
 def test_it_does_not_rise_on_stretched_legs_and_says_so(rig, monkeypatch):
     rig.stand()
     rig.run(0.9, QUICK)
-    rig.send(STOP)
-    rig.run(2.0)
+    rig.run(2.0, first=STOP)
     monkeypatch.setattr(rig.supervisor, "_put_back", lambda: None)  # a real robot
-    rig.send(RESET)
-    rig.run(0.1)
+    rig.run(0.1, first=RESET)
     told = (
         r"FR lies stretched out, its foot \d+ mm behind the hip, allowed 120: put the robot on its feet, seated, then"
     )
     assert re.match(told, rig.reason)
-    rig.send(STAND)
-    rig.run(0.5)
+    rig.run(0.5, first=STAND)
     assert re.match(told, rig.reason)
     assert not rig.holding
     rig.bus.plant.put_back()
     rig.run(0.5)
     assert (rig.reason, rig.holding) == ("the joints are off: stand up first", False), "it waits to be told again"
-    rig.send(STAND)
-    rig.run(4.0, STILL)
+    rig.run(4.0, STILL, first=STAND)
     assert rig.supervisor.state == "standing"
 
 
 def test_unknown_joints_are_not_armed(rig, monkeypatch):
     read = rig.bus.read
     monkeypatch.setattr(rig.bus, "read", lambda: replace(read(), age_s=(float("inf"),) + (0.0,) * 11))
-    rig.send(STAND)
-    rig.run(0.2)
+    rig.run(0.2, first=STAND)
     assert (rig.holding, rig.reason) == (False, "the joints' positions are not known yet")
 
 
