@@ -266,16 +266,17 @@ def test_home_at_a_pose_is_refused_while_ambiguous(bench):
     assert ask(bench, w.COMMAND_HOME, HOME_POSE, right)[0] == w.RESULT_OK
 
 
-def saved(journal, **changes):
+def changed(journal, values):
+    """Return a joint with other values of parameters, by number; they are not saved yet."""
     joint = Joint(SimBoard(), journal)
-    for parameter, value in changes.items():
-        joint.parameters.put(int(parameter[1:]), value)
+    for parameter, value in values.items():
+        joint.parameters.put(parameter, value)
     return joint
 
 
 def test_the_encoders_eccentricity_survives_a_power_cycle_and_is_taken_out_of_readings():
     journal = Memory()
-    assert saved(journal, **{f"p{ID['bend_cos1']}": 800, f"p{ID['commissioned']}": 1}).parameters.save() == 1
+    assert changed(journal, {ID["bend_cos1"]: 800, ID["commissioned"]: 1}).parameters.save() == 1
     again = Joint(SimBoard(), journal)
     again.start()
     again.control.board.rotor = 50
@@ -285,7 +286,7 @@ def test_the_encoders_eccentricity_survives_a_power_cycle_and_is_taken_out_of_re
 
 def test_parameters_survive_a_power_cycle():
     journal = Memory()
-    joint = saved(journal, **{f"p{ID['accel']}": 777, f"p{PARAMETER_NODE_ID}": 6})
+    joint = changed(journal, {ID["accel"]: 777, PARAMETER_NODE_ID: 6})
     assert joint.loaded == joint_store.MISSING
     assert joint.parameters.save() == 1
     again = Joint(SimBoard(), journal)
@@ -295,7 +296,7 @@ def test_parameters_survive_a_power_cycle():
 
 def test_every_broken_byte_is_noticed():
     journal = Memory()
-    saved(journal, **{f"p{ID['accel']}": 777}).parameters.save()
+    changed(journal, {ID["accel"]: 777}).parameters.save()
     whole = journal.get(joint_store.KEY)
     for at in [*range(40), len(whole) // 2, len(whole) - 1]:
         journal.put(joint_store.KEY, whole[:at] + bytes([whole[at] ^ 0x10]) + whole[at + 1 :])
@@ -310,7 +311,7 @@ def test_every_broken_byte_is_noticed():
 
 def test_another_firmware_takes_what_it_knows_and_the_node(monkeypatch):
     journal = Memory()
-    saved(journal, p118=900, p119=800, p120=700, p0=6).parameters.save()
+    changed(journal, {118: 900, 119: 800, 120: 700, PARAMETER_NODE_ID: 6}).parameters.save()
     moved = list(joint_store.PARAMETER_KEY)
     moved[118], moved[119] = moved[119], moved[118]  # two have changed places
     moved[120] = 7  # one has another name, unit or scale
@@ -323,7 +324,7 @@ def test_another_firmware_takes_what_it_knows_and_the_node(monkeypatch):
 
 def test_a_kept_value_out_of_its_range_is_noticed_and_the_node_stays(monkeypatch):
     journal = Memory()
-    saved(journal, p118=900, p0=6).parameters.save()
+    changed(journal, {118: 900, PARAMETER_NODE_ID: 6}).parameters.save()
     high = list(joint_store.PARAMETER_HIGH)
     high[118] = 899
     monkeypatch.setattr(joint_store, "PARAMETER_HIGH", high)
@@ -334,7 +335,7 @@ def test_a_kept_value_out_of_its_range_is_noticed_and_the_node_stays(monkeypatch
 
 def test_saving_that_fails_is_told(monkeypatch):
     journal = Memory()
-    joint = saved(journal, **{f"p{ID['accel']}": 777})
+    joint = changed(journal, {ID["accel"]: 777})
     joint.parameters.save()
     joint.parameters.put(ID["accel"], 778)
     monkeypatch.setattr(journal, "put", lambda key, data: 0)
