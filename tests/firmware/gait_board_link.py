@@ -1,30 +1,14 @@
-"""A gait controller board as a computer sees it: frames out, set-points back, its flags in sentences."""
+"""A gait controller board as a computer sees it: frames out, set-points back."""
 
 from collections import namedtuple
 
-from firmware import gait as application
 from firmware import link
-from firmware.mpu6050 import FAULT_NAMES
 from host.protocol.gait_frames import FrameReader, frame
 from shared.body.params import JOINTS
 from shared.planner.status import STATE_NAMES
 from shared.record import pack
 
-
-class Setpoints(namedtuple("Setpoints", "tick flags state gait joints_brad")):
-    """What a board planned in one tick."""
-
-    @property
-    def remarks(self):
-        """Return what is not as it should be, as sentences."""
-        name = FAULT_NAMES[self.flags >> 20 & 0xF]
-        told = {
-            application.SENSOR_FAULT: f"inertial sensor {name}: walking without balance at half speed",
-            application.COMMAND_STALE: f"no command for {application.STALE_MS} ms: standing",
-            application.STOPPED: "stopped by STOP: drives nothing until RESET",
-            application.ALIGNING_NOW: "aligning the attitude: keep the robot still",
-        }
-        return [sentence for flag, sentence in told.items() if self.flags & flag]
+Setpoints = namedtuple("Setpoints", "tick flags state joints_brad")  # what a board planned in one tick
 
 
 class GaitBoardLink:
@@ -32,8 +16,7 @@ class GaitBoardLink:
 
     def __init__(self, stream):
         self._stream, self._reader = stream, FrameReader()
-        payload = self._wait_for(link.READY)
-        self.rate_hz, self.gaits = payload[0] | payload[1] << 8, payload[2]
+        self._wait_for(link.READY)
 
     def send(self, kind, values=(), size=1):
         """Send a frame of numbers of ``size`` bytes each."""
@@ -55,7 +38,7 @@ class GaitBoardLink:
         payload = self._wait_for(link.SETPOINTS)
         tick, flags = (int.from_bytes(payload[at : at + 4], "little") for at in (0, 4))
         joints = tuple(link.read_int16(payload, 10 + 2 * joint) for joint in range(JOINTS))
-        return Setpoints(tick, flags, STATE_NAMES[payload[8]], payload[9], joints)
+        return Setpoints(tick, flags, STATE_NAMES[payload[8]], joints)
 
     def _wait_for(self, kind):
         """Return the payload of the next frame of this kind."""

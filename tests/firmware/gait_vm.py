@@ -5,20 +5,20 @@ import subprocess
 import sys
 
 from host import ROOT
-from host.boards.build.source import closure, read_modules
+from host.boards.build.source import PACKAGES, closure, read_modules
 from host.boards.runtimes.unix import Unix
 from host.robot.scale import attitude_block, core_params
 from shared.record import pack
 from tests.marks import skip_without
 
 
-def copy_modules(sources, *names):
-    """Copy these modules and all that they import into the folder ``sources``."""
-    modules = read_modules(ROOT)
+def copy_modules(to, *names, root=ROOT, packages=PACKAGES):
+    """Copy these modules of ``root`` and all that they import into the folder ``to``."""
+    modules = read_modules(root, packages)
     for name in closure(modules, list(names)):
         path = modules[name].path
-        (sources / path).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(ROOT / path, sources / path)
+        (to / path).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(root / path, to / path)
 
 
 def compile_gait(work):

@@ -47,7 +47,9 @@ class OnChip:
         self.driver.ticks_us = self._ticks_us
         self.joint = Joint(self.driver, Memory(), update)
         self.control = self.joint.control
-        self._configure()
+        self.joint.parameters.take(BLOCKS.stored())  # as writing the parameters does
+        self.control.settings.commissioned = 1
+        self.control.settings.elec_offset = 7000
         self.joint.set_node(NODE)
         self.goal = None  # A of the q axis
         self.values = array("i", [w.NO_CHANGE] * 4)
@@ -58,13 +60,6 @@ class OnChip:
     def _ticks_us(self):
         self.board.work(CALL_CYCLES)
         return self.clock()
-
-    def _configure(self):
-        """Hand the host's integers over, as writing the parameters does; the joint counts as commissioned."""
-        c = self.control
-        self.joint.parameters.take(BLOCKS.stored())
-        c.settings.commissioned = 1
-        c.settings.elec_offset = 7000
 
     def begin(self, ms=READY_MS):
         """Start the application, and go on until the offsets are measured."""
@@ -92,14 +87,11 @@ class OnChip:
 
     def send_goal(self):
         """Send a current as set-point and, when that has passed, SYNC, which would win the bus."""
-        self.send_setpoint()
-        self.model.at(self.model.now + 2 * STEP_CYCLES, self.send_sync)
-
-    def send_setpoint(self):
         frame = array("H", [0] * 4)
         self.values[0] = round(self.goal * 4096)
         encode_group(frame, self.values)
         self.send(w.SETPOINT_POSITION_ID + w.MODE_CURRENT - 1, data(frame))
+        self.model.at(self.model.now + 2 * STEP_CYCLES, self.send_sync)
 
     def send_sync(self):
         frame = array("H", [0] * 4)

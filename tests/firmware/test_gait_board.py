@@ -85,8 +85,7 @@ def test_it_walks_on_command_and_stands_when_commands_stop(loop):
     answer = loop.run(13, command=False)
     assert not answer.flags & application.COMMAND_STALE
     answer = loop.run(3, command=False)
-    assert answer.flags & application.COMMAND_STALE
-    assert "no command for 300 ms" in answer.remarks[0]
+    assert answer.flags == application.COMMAND_STALE
     answer = loop.run(400, command=False)
     assert answer.state == "standing"
     assert loop.run(60).state == "walking"
@@ -96,11 +95,9 @@ def test_without_a_sensor_it_walks_at_half_speed_and_says_so(loop):
     loop.run(300)
     full = loop.board.planner.speed.vx
     answer = loop.run(100, counts=None)
-    assert answer.flags & application.SENSOR_FAULT
-    assert answer.flags >> 20 & 0xF == MISSING
+    assert answer.flags == application.SENSOR_FAULT | MISSING << 20
     assert loop.board.planner.speed.vx == full >> 1
     assert answer.state == "walking"
-    assert answer.remarks == ["inertial sensor missing: walking without balance at half speed"]
     loop.run(100)
     assert loop.board.planner.speed.vx == full
 

@@ -58,6 +58,19 @@ def deliver(bench, identifier, words=(0, 0, 0, 0), length=8):
     bench.board.deliver(identifier, array("H", words), length)
 
 
+def send_request(bench, request, identifier=w.SERVICE_REQUEST_ID):
+    """Put a request of these integers on the bus, to all joints or to one, and wait for no answer."""
+    frame = array("H", [0] * 4)
+    codec.encode_service_request(frame, unpack(codec.ServiceRequest(), request))
+    deliver(bench, identifier, frame)
+    bench.run(1)
+
+
+def responses(bench):
+    """Return the words of the answers that the joint has sent."""
+    return [words for identifier, words in frames(bench.board) if identifier == w.SERVICE_RESPONSE_ID + 1]
+
+
 def test_it_arms_follows_and_disarms(bench):
     bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
     bench.goal += 0.1
@@ -132,15 +145,12 @@ def test_far_set_points_do_not_arm(bench):
 
 def test_a_request_repeated_is_answered_again_and_not_done_again(bench):
     service = bench.joint.service
-    request = unpack(codec.ServiceRequest(), (w.COMMAND_WRITE_PARAMETER, 9, SESSION, ID["position_p"], 700))
-    frame = array("H", [0] * 4)
-    codec.encode_service_request(frame, request)
     frames(bench.board)
     for _ in range(2):
-        bench.board.deliver(w.SERVICE_REQUEST_ID + 1, frame, 8)
-        bench.run(1)
+        request = (w.COMMAND_WRITE_PARAMETER, 9, SESSION, ID["position_p"], 700)
+        send_request(bench, request, w.SERVICE_REQUEST_ID + 1)
         bench.joint.parameters.put(ID["position_p"], 600)
-    answers = [words for identifier, words in frames(bench.board) if identifier == w.SERVICE_RESPONSE_ID + 1]
+    answers = responses(bench)
     assert len(answers) == 2
     assert answers[0] == answers[1]
     assert bench.joint.parameters.get(ID["position_p"]) == 600
@@ -200,14 +210,12 @@ def test_its_own_heartbeat_from_the_bus_means_a_twin(bench):
 
 
 def test_discovery_answers_after_its_delay_and_only_once(bench):
-    frame, board = array("H", [0] * 4), bench.joint.service.board
-    codec.encode_service_request(frame, unpack(codec.ServiceRequest(), (w.COMMAND_DISCOVER, 200, 0, 0, 0)))
+    board = bench.joint.service.board
     frames(bench.board)
-    bench.board.deliver(w.SERVICE_REQUEST_ID, frame, 8)
-    bench.run(1)
+    send_request(bench, (w.COMMAND_DISCOVER, 200, 0, 0, 0))
     delay = bench.joint.service.discover_ms
     bench.run(delay + 3)
-    found = [words for identifier, words in frames(bench.board) if identifier == w.SERVICE_RESPONSE_ID + 1]
+    found = responses(bench)
     assert len(found) == 1
     values = codec.ServiceResponse()
     codec.decode_service_response(found[0], values)
@@ -218,21 +226,15 @@ def test_a_node_is_set_by_the_boards_number_only(bench):
     board = bench.joint.service.board
     assert ask(bench, w.COMMAND_SET_ID, 4, board ^ 1)[0] == w.RESULT_WRONG_KEY
     assert ask(bench, w.COMMAND_SET_ID, 13, board)[0] == w.RESULT_OUT_OF_RANGE
-    frame = array("H", [0] * 4)
-    codec.encode_service_request(frame, unpack(codec.ServiceRequest(), (w.COMMAND_SET_ID, 77, 0, 4, board)))
-    bench.board.deliver(w.SERVICE_REQUEST_ID, frame, 8)
-    bench.run(1)
+    send_request(bench, (w.COMMAND_SET_ID, 77, 0, 4, board))
     assert bench.joint.parameters.node == 4
 
 
 def test_commands_to_all_move_nobody_else(bench):
-    frame = array("H", [0] * 4)
     for command in (w.COMMAND_REBOOT, w.COMMAND_ARM, w.COMMAND_SAVE_PARAMETERS, w.COMMAND_DISARM):
-        codec.encode_service_request(frame, unpack(codec.ServiceRequest(), (command, command, SESSION, 0, 0)))
         frames(bench.board)
-        bench.board.deliver(w.SERVICE_REQUEST_ID, frame, 8)
-        bench.run(1)
-        assert w.SERVICE_RESPONSE_ID + 1 not in [identifier for identifier, _ in frames(bench.board)]
+        send_request(bench, (command, command, SESSION, 0, 0))
+        assert responses(bench) == []
     assert bench.board.resets == 0
 
 
@@ -264,16 +266,17 @@ def test_home_at_a_pose_is_refused_while_ambiguous(bench):
     assert ask(bench, w.COMMAND_HOME, HOME_POSE, right)[0] == w.RESULT_OK
 
 
-def saved(journal, **changes):
+def changed(journal, values):
+    """Return a joint with other values of parameters, by number; they are not saved yet."""
     joint = Joint(SimBoard(), journal)
-    for parameter, value in changes.items():
-        joint.parameters.put(int(parameter[1:]), value)
+    for parameter, value in values.items():
+        joint.parameters.put(parameter, value)
     return joint
 
 
 def test_the_encoders_eccentricity_survives_a_power_cycle_and_is_taken_out_of_readings():
     journal = Memory()
-    assert saved(journal, **{f"p{ID['bend_cos1']}": 800, f"p{ID['commissioned']}": 1}).parameters.save() == 1
+    assert changed(journal, {ID["bend_cos1"]: 800, ID["commissioned"]: 1}).parameters.save() == 1
     again = Joint(SimBoard(), journal)
     again.start()
     again.control.board.rotor = 50
@@ -283,7 +286,7 @@ def test_the_encoders_eccentricity_survives_a_power_cycle_and_is_taken_out_of_re
 
 def test_parameters_survive_a_power_cycle():
     journal = Memory()
-    joint = saved(journal, **{f"p{ID['accel']}": 777, f"p{PARAMETER_NODE_ID}": 6})
+    joint = changed(journal, {ID["accel"]: 777, PARAMETER_NODE_ID: 6})
     assert joint.loaded == joint_store.MISSING
     assert joint.parameters.save() == 1
     again = Joint(SimBoard(), journal)
@@ -293,7 +296,7 @@ def test_parameters_survive_a_power_cycle():
 
 def test_every_broken_byte_is_noticed():
     journal = Memory()
-    saved(journal, **{f"p{ID['accel']}": 777}).parameters.save()
+    changed(journal, {ID["accel"]: 777}).parameters.save()
     whole = journal.get(joint_store.KEY)
     for at in [*range(40), len(whole) // 2, len(whole) - 1]:
         journal.put(joint_store.KEY, whole[:at] + bytes([whole[at] ^ 0x10]) + whole[at + 1 :])
@@ -308,7 +311,7 @@ def test_every_broken_byte_is_noticed():
 
 def test_another_firmware_takes_what_it_knows_and_the_node(monkeypatch):
     journal = Memory()
-    saved(journal, p118=900, p119=800, p120=700, p0=6).parameters.save()
+    changed(journal, {118: 900, 119: 800, 120: 700, PARAMETER_NODE_ID: 6}).parameters.save()
     moved = list(joint_store.PARAMETER_KEY)
     moved[118], moved[119] = moved[119], moved[118]  # two have changed places
     moved[120] = 7  # one has another name, unit or scale
@@ -321,7 +324,7 @@ def test_another_firmware_takes_what_it_knows_and_the_node(monkeypatch):
 
 def test_a_kept_value_out_of_its_range_is_noticed_and_the_node_stays(monkeypatch):
     journal = Memory()
-    saved(journal, p118=900, p0=6).parameters.save()
+    changed(journal, {118: 900, PARAMETER_NODE_ID: 6}).parameters.save()
     high = list(joint_store.PARAMETER_HIGH)
     high[118] = 899
     monkeypatch.setattr(joint_store, "PARAMETER_HIGH", high)
@@ -332,7 +335,7 @@ def test_a_kept_value_out_of_its_range_is_noticed_and_the_node_stays(monkeypatch
 
 def test_saving_that_fails_is_told(monkeypatch):
     journal = Memory()
-    joint = saved(journal, **{f"p{ID['accel']}": 777})
+    joint = changed(journal, {ID["accel"]: 777})
     joint.parameters.save()
     joint.parameters.put(ID["accel"], 778)
     monkeypatch.setattr(journal, "put", lambda key, data: 0)

@@ -11,12 +11,13 @@ import pytest
 
 from host import ROOT
 from host.boards.build.leaves import leaves_first
-from host.boards.build.source import closure, read_modules
+from host.boards.build.source import read_modules
 from host.boards.runtimes import Unix, Wasi
 from host.robot.file import load_robot
 from host.sim.motor.bench import Bench
 from tests.marks import skip_without
 
+from .gait_vm import copy_modules
 from .storm import Storm
 
 FRAMES = 10_000
@@ -44,13 +45,9 @@ def settings():
     return Bench(load_robot("parallel").actuator).blocks.stored()
 
 
-def nothing():
-    return None
-
-
 @pytest.fixture(scope="module")
 def reference():
-    storm = Storm(settings(), nothing, nothing)
+    storm = Storm(settings(), int, int)
     storm.run(FRAMES)
     return storm
 
@@ -59,14 +56,11 @@ def reference():
 def sources(tmp_path_factory):
     """The application with what it imports, the storm, and the joint's integers."""
     folder = tmp_path_factory.mktemp("storm")
-    modules = read_modules(ROOT)
-    for name in closure(modules, list(STARTS)):
-        path = modules[name].path
-        (folder / path).parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(ROOT / path, folder / path)
+    copy_modules(folder, *STARTS)
     (folder / "storm").mkdir()
     shutil.copy(Path(__file__).with_name("storm.py"), folder / "storm" / "storm.py")
-    (folder / "storm" / "__init__.py").write_text(f"import {', '.join(leaves_first(modules, list(STARTS)))}\n")
+    leaves = leaves_first(read_modules(ROOT), list(STARTS))
+    (folder / "storm" / "__init__.py").write_text(f"import {', '.join(leaves)}\n")
     (folder / "data").mkdir()
     (folder / "data" / "__init__.py").write_text(f"STORED = {settings()}\n")
     return folder

@@ -1,4 +1,4 @@
-"""The link's frames, bit for bit those of its first implementation, which is kept here: it read byte by byte."""
+"""The link's frames, bit for bit those of the first reader, which is kept here: it read byte by byte."""
 
 import binascii
 import itertools
@@ -14,16 +14,6 @@ from shared.planner.status import Status
 from shared.record import pack, unpack
 
 NOISE = random.Random(7)
-
-
-def first_crc16(data, start, end):
-    crc = 0xFFFF
-    for i in range(start, end):
-        crc ^= data[i] << 8
-        for _ in range(8):
-            crc = (crc << 1) ^ 0x1021 if crc & 0x8000 else crc << 1
-            crc &= 0xFFFF
-    return crc
 
 
 class FirstReader:
@@ -45,7 +35,7 @@ class FirstReader:
             return 0
         self._at = -2
         end = self.buffer[1] + 2
-        if first_crc16(self.buffer, 0, end) != self.buffer[end] | self.buffer[end + 1] << 8:
+        if binascii.crc_hqx(self.buffer[:end], 0xFFFF) != self.buffer[end] | self.buffer[end + 1] << 8:
             return self._drop()
         self.length = end - 2
         return self.buffer[0]
@@ -65,34 +55,15 @@ class FirstReader:
         return 0
 
 
-class FirstWriter:
-    def __init__(self, kind):
-        self.buffer = bytearray(link.LARGEST + 6)
-        self.buffer[0] = link.SYNC_0
-        self.buffer[1] = link.SYNC_1
-        self.buffer[2] = kind
-        self._at = 4
-
-    def put(self, value, size):
-        for _ in range(size):
-            self.buffer[self._at] = value & 0xFF
-            value >>= 8
-            self._at += 1
-
-    def close(self):
-        end = self._at
-        self.buffer[3] = end - 4
-        crc = first_crc16(self.buffer, 2, end)
-        self.buffer[end] = crc & 0xFF
-        self.buffer[end + 1] = crc >> 8
-        return bytes(self.buffer[: end + 2])
+def frame_of(kind, *fields):
+    """Return the frame of a kind whose payload are fields: a number and its bytes."""
+    payload = b"".join((value & (1 << 8 * size) - 1).to_bytes(size, "little") for value, size in fields)
+    body = bytes((kind, len(payload))) + payload
+    return bytes((link.SYNC_0, link.SYNC_1)) + body + binascii.crc_hqx(body, 0xFFFF).to_bytes(2, "little")
 
 
-def first_frame(kind, values, size):
-    writer = FirstWriter(kind)
-    for value in values:
-        writer.put(value, size)
-    return writer.close()
+def frame_of_bytes(kind, values):
+    return frame_of(kind, *((value, 1) for value in values))
 
 
 def first_frames(data):
@@ -124,14 +95,14 @@ def test_the_crcs_check_value():
 
 @pytest.mark.parametrize("size", [1, 2, 4])
 @given(data=st.data())
-def test_a_frame_made_is_the_firsts(size, data):
+def test_a_frame_made_is_as_its_fields_say(size, data):
     most = (1 << 8 * size - 1) - 1
     values = data.draw(st.lists(st.integers(-most - 1, most), max_size=link.LARGEST // size))
     kind = data.draw(st.integers(1, 255))
-    assert frame(kind, values, size) == first_frame(kind, values, size)
+    assert frame(kind, values, size) == frame_of(kind, *((value, size) for value in values))
 
 
-def test_the_boards_frames_are_the_firsts():
+def test_the_boards_frames_are_as_their_fields_say():
     numbers = gait.BoardStatus()
     for _ in range(200):
         joints = [NOISE.randrange(-32768, 32768) for _ in range(12)]
@@ -141,35 +112,25 @@ def test_the_boards_frames_are_the_firsts():
         unpack(planned, [NOISE.randrange(256) for _ in pack(planned)])
         setpoints, reading = bytearray(gait.SETPOINTS_BYTES), bytearray(gait.READING_BYTES)
         gait.write_setpoints(setpoints, numbers, planned, joints)
-        writer = FirstWriter(link.SETPOINTS)
-        writer.put(numbers.tick_count, 4)
-        writer.put(numbers.flags, 4)
-        writer.put(planned.state, 1)
-        writer.put(planned.gait, 1)
-        for angle in joints:
-            writer.put(angle, 2)
-        assert setpoints == writer.close()
+        head = ((numbers.tick_count, 4), (numbers.flags, 4), (planned.state, 1), (planned.gait, 1))
+        assert setpoints == frame_of(link.SETPOINTS, *head, *((angle, 2) for angle in joints))
         fault = NOISE.randrange(5)
         gait.write_reading(reading, numbers, fault, joints[:6])
-        writer = FirstWriter(link.READING)
-        writer.put(numbers.question, 1)
-        writer.put(fault, 1)
-        for count in joints[:6]:
-            writer.put(count, 2)
-        assert reading == writer.close()
+        counts = ((count, 2) for count in joints[:6])
+        assert reading == frame_of(link.READING, (numbers.question, 1), (fault, 1), *counts)
 
 
 # Whole frames, torn ones, and what looks like the start of one
 PIECE = st.one_of(
     st.binary(max_size=20),
     st.sampled_from([b"\xca", b"\xca\xca\x5e", b"\xca\x5e\x01\x41", b"\xca\x5e\x01\x40", b"\xca\x5e"]),
-    st.builds(first_frame, st.integers(0, 255), st.lists(st.integers(0, 255), max_size=64), st.just(1)),
+    st.builds(frame_of_bytes, st.integers(0, 255), st.binary(max_size=64)),
     st.builds(
         lambda whole, at, bit: bytes(b ^ (1 << bit if i == at % len(whole) else 0) for i, b in enumerate(whole)),
-        st.builds(first_frame, st.integers(1, 8), st.lists(st.integers(0, 255), max_size=64), st.just(1)),
+        st.builds(frame_of_bytes, st.integers(1, 8), st.binary(max_size=64)),
         st.integers(0, 99), st.integers(0, 7),
     ),
-    st.builds(lambda n: first_frame(2, [7] * 24, 1)[:n], st.integers(0, 30)),
+    st.builds(lambda n: frame_of_bytes(2, [7] * 24)[:n], st.integers(0, 30)),
 )  # fmt: skip
 
 
@@ -186,7 +147,7 @@ def test_frames_among_noise_are_the_firsts(block):
     stream = bytearray()
     for _ in range(800):
         stream += NOISE.randbytes(NOISE.randrange(90))
-        whole = first_frame(NOISE.randrange(1, 8), [NOISE.randrange(256) for _ in range(NOISE.randrange(65))], 1)
+        whole = frame_of_bytes(NOISE.randrange(1, 8), [NOISE.randrange(256) for _ in range(NOISE.randrange(65))])
         stream += whole[: NOISE.choice([len(whole), len(whole), NOISE.randrange(len(whole))])]
     expected = first_frames(stream)
     assert len(expected[0]) > 300

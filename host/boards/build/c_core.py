@@ -15,7 +15,7 @@ from .c_holders import converted, holders_text, room_of
 from .c_source import FunctionWriter, c_name, signature
 from .rewrite import Edit, Places, apply_edits, inline_constants
 from .rules import check_hot
-from .source import BuildError, Module, closure, constant_value, find_imports, has_no_result
+from .source import BuildError, Module, assignments, called, closure, constant_value, find_imports, has_no_result
 
 MODULE = "_core"
 _HEADS = {"micropython": "c_micropython.h", "cpython": "c_cpython.h"}
@@ -107,11 +107,10 @@ def _module(exposed: list[tuple[Module, ast.FunctionDef]]) -> str:
 
 def _table(name: str, module: Module, original: str) -> str:
     """Return a constant array: ``NAME = table((...))``, ``words((...))`` or ``array("i", (...))``."""
-    call = next((node.value for node in module.tree.body if isinstance(node, ast.Assign)
-                 and isinstance(node.targets[0], ast.Name) and node.targets[0].id == original), None)
-    if not isinstance(call, ast.Call) or not isinstance(call.func, ast.Name) or call.func.id not in _TABLES:
+    call = next((value for known, value in assignments(module.tree.body) if known == original), None)
+    if not isinstance(call, ast.Call) or called(call) not in _TABLES:
         raise BuildError(f"{module.path}: {original} is read by a hot function, but is no table of numbers")
-    code = _TABLES[call.func.id] or ast.literal_eval(call.args[0])
+    code = _TABLES[called(call)] or ast.literal_eval(call.args[0])
     elements = call.args[-1]
     assert isinstance(elements, ast.Tuple | ast.List)
     values = [constant_value(element, module.constants) for element in elements.elts]
@@ -138,17 +137,11 @@ def cold_text(module: Module, wanted: set[tuple[str, str]] | None) -> bytes:
     for function in hot:
         used = wanted is None or (module.name, function.name) in wanted
         text = f"from {MODULE} import {c_name(module.name, function.name)} as {function.name}" if used else ""
-        edits.append(_replace(module, function, text, place))
+        edits.append(place.statement(function, text))
     if wanted is not None:
         _refuse_through_modules(module)
         edits += _drop_unused(module, wanted, place)
     return apply_edits(module.text, edits)
-
-
-def _replace(module: Module, node: ast.stmt, text: str, place: Places) -> Edit:
-    start = place.start(node.decorator_list[0]) - 1 if isinstance(node, ast.FunctionDef) else place.start(node)
-    end = place.end(node)
-    return Edit(start, end - start, text + "\n" * module.text[start:end].count(b"\n"))
 
 
 def _refuse_through_modules(module: Module) -> None:
@@ -167,16 +160,15 @@ def _drop_unused(module: Module, wanted: set[tuple[str, str]], place: Places) ->
             if len(kept) < len(node.names):
                 names = ", ".join(f"{a.name} as {a.asname}" if a.asname else a.name for a in kept)
                 origin = "." * node.level + (node.module or "")
-                edits.append(_replace(module, node, f"from {origin} import {names}" if kept else "", place))
-        elif _is_data(node) and (module.name, node.targets[0].id) not in wanted:  # type: ignore[attr-defined]
-            edits.append(_replace(module, node, "", place))
+                edits.append(place.statement(node, f"from {origin} import {names}" if kept else ""))
+        elif (name := _data_name(node)) and (module.name, name) not in wanted:
+            edits.append(place.statement(node, ""))
     return edits
 
 
-def _is_data(node: ast.stmt) -> bool:
-    """Return whether a statement names a constant or a table, which nothing happens by."""
-    return (isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and isinstance(node.value, ast.Call)
-            and isinstance(node.value.func, ast.Name) and node.value.func.id in ("const", *_TABLES))
+def _data_name(node: ast.stmt) -> str | None:
+    """Return the name that a statement gives to a constant or a table, which nothing happens by; None of others."""
+    return next((name for name, value in assignments([node]) if called(value) in ("const", *_TABLES)), None)
 
 
 def _names_in_use(chosen: list[Module], modules: dict[str, Module]) -> set[tuple[str, str]]:
@@ -192,8 +184,8 @@ def _names_in_use(chosen: list[Module], modules: dict[str, Module]) -> set[tuple
         if name in module.imports:
             waiting.append(module.imports[name])
         for node in module.tree.body:  # a constant's or a table's own names
-            if _is_data(node) and node.targets[0].id == name:  # type: ignore[attr-defined]
-                waiting += [(module.name, n.id) for n in ast.walk(node.value) if isinstance(n, ast.Name)]  # type: ignore[attr-defined]
+            if _data_name(node) == name:
+                waiting += [(module.name, n.id) for n in ast.walk(node) if isinstance(n, ast.Name)]
     return found
 
 
@@ -202,7 +194,7 @@ def _read_when_cold(module: Module) -> set[str]:
     hot = {id(node) for function in module.hot_functions for node in ast.walk(function)}
     used: set[str] = set()
     for statement in module.tree.body:
-        if _is_data(statement) or id(statement) in hot or isinstance(statement, ast.ImportFrom | ast.Import):
+        if _data_name(statement) or id(statement) in hot or isinstance(statement, ast.ImportFrom | ast.Import):
             continue
         functions = [node for node in ast.walk(statement) if isinstance(node, ast.FunctionDef)]
         inner = {id(node) for function in functions for inside in function.body for node in ast.walk(inside)}

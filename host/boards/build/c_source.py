@@ -10,8 +10,8 @@ the call is kept first, because C leaves the order of evaluation open and Python
 import ast
 
 from .c_holders import ARRAY, accessor, c_type, converted, holder_type
-from .rules import MARKS, aliases, hot_arity
-from .source import Module, has_no_result, resolve
+from .rules import aliases, hot_function
+from .source import Module, calls, has_no_result, resolve, stored_names
 
 _TYPES = {"ptr8": "uint8_t", "ptr16": "uint16_t", "ptr32": "int32_t", "reg16": "volatile uint16_t",
           "reg32": "volatile int32_t"}
@@ -50,7 +50,7 @@ class FunctionWriter:
         self._pointers = aliases(function)
         self._given = {parameter.arg for parameter in function.args.args}
         self._blocks = module.blocks.get(function.name, {})
-        stored = {n.id for n in ast.walk(function) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+        stored = stored_names(function)
         self._local = self._given | stored
         self._numbers = sorted(stored - self._given - set(self._pointers))
         self._lines: list[str] = []
@@ -244,8 +244,7 @@ class FunctionWriter:
             raise self.module.error(node, f"{node.func.id}: a pointer gets a name of its own first")
         found = resolve(self.module, node.func.id, self.modules)
         assert found is not None  # check_hot saw to that
-        callee = next(f for f in ast.walk(found[0].tree) if isinstance(f, ast.FunctionDef) and f.name == found[1])
-        wanted = found[0].blocks.get(callee.name, {})
+        callee, wanted = found[0].hot[found[1]], found[0].blocks.get(found[1], {})
         texts = []
         for argument, parameter in zip(node.args, callee.args.args, strict=True):
             kind = wanted.get(parameter.arg)
@@ -327,11 +326,7 @@ class FunctionWriter:
 
 def _calls(node: ast.AST, writer: FunctionWriter) -> int:
     """Return how many hot functions an expression calls."""
-    return sum(
-        isinstance(n, ast.Call) and isinstance(n.func, ast.Name) and n.func.id not in MARKS
-        and hot_arity(writer.module, n.func.id, writer.modules) is not None
-        for n in ast.walk(node)
-    )
+    return sum(hot_function(writer.module, name, writer.modules) is not None for name, _ in calls(node))
 
 
 def _reads(node: ast.AST) -> int:

@@ -8,8 +8,6 @@ from pathlib import Path
 from ...util.extras import how_to_get
 from .source import BuildError
 
-ARCHES = ("armv6m", "armv7m", "armv7em", "armv7emsp", "armv7emdp", "x64", "x86", "xtensawin", "rv32imc")
-
 
 def compile_text(text: bytes, path: str, emitter: str, arch: str) -> bytes:
     """Return the ``.mpy`` of a source; ``path`` is what tracebacks on the board show.

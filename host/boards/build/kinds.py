@@ -28,6 +28,10 @@ class Value:
     inner: "Value | None" = None
     raw: str = ""  # what to hand on, where ``text`` is a pointer
 
+    def named(self, text: str) -> "Value":
+        """Return the same under another name."""
+        return replace(self, text=text, raw=text)
+
 
 def block_kinds(values: dict[str, Value]) -> dict[str, str]:
     """Return of what is known which are an "array", or by the dotted name of its class an object that holds some."""
@@ -73,14 +77,12 @@ class Kinds:
         """Return what the value ``node`` makes of ``text``; ``known`` tells of names and attributes."""
         if isinstance(node, ast.Call):
             return self._called(module, node, text)
-        if isinstance(node, ast.List | ast.Tuple) and node.elts:
-            inner = self.made(module, node.elts[0], "", known)
-            return Value("list", text, inner=inner, raw=text) if inner else None
-        if isinstance(node, ast.ListComp):
-            inner = self.made(module, node.elt, "", known)
+        if isinstance(node, ast.ListComp) or (isinstance(node, ast.List | ast.Tuple) and node.elts):
+            element = node.elt if isinstance(node, ast.ListComp) else node.elts[0]
+            inner = self.made(module, element, "", known)
             return Value("list", text, inner=inner, raw=text) if inner else None
         found = known(node)
-        return replace(found, text=text, raw=text) if found and found.kind in WHOLE else None
+        return found.named(text) if found and found.kind in WHOLE else None
 
     def _called(self, module: Module, call: ast.Call, text: str) -> Value | None:
         at = self._function(module, call.func)
@@ -114,7 +116,7 @@ class Kinds:
                 target = resolve(module, name, self.modules)
                 value = self.globals_of(target[0]).get(target[1]) if target and target[0] is not module else None
                 if value is not None:
-                    found[name] = replace(value, text=name, raw=name)
+                    found[name] = value.named(name)
             for node in module.tree.body:
                 self._take(module, node, found)
         return self._globals[module.name]
@@ -150,8 +152,7 @@ class Kinds:
         if base.owner is None:
             return None
         value = self.members(base.owner).get(name)
-        text = f"{base.raw or base.text}.{name}"
-        return replace(value, text=text, raw=text) if value else None
+        return value.named(f"{base.raw or base.text}.{name}") if value else None
 
     def _class(self, module: Module, name: str) -> tuple[str, str] | None:
         """Return the class that ``name`` is; where it sets up nothing of its own, the one that it is derived from."""
@@ -174,7 +175,7 @@ class Kinds:
                 found.update(self.members(above) if above else {})
             for node in declared.body:
                 if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-                    self._keep(found, node.target.id, self.annotated(module, node.annotation, ""))
+                    _keep(found, node.target.id, self.annotated(module, node.annotation, ""))
             for method in (n for n in declared.body if isinstance(n, ast.FunctionDef)):
                 self._assigned(module, owner, method, found)
         return self._classes[owner]
@@ -187,7 +188,7 @@ class Kinds:
             target = node.targets[0] if isinstance(node, ast.Assign) else None
             if isinstance(target, ast.Attribute) and isinstance(target.value, ast.Name) and target.value.id == "self":
                 value = self.made(module, node.value, "", lambda e: self._plain(module, e, names))  # type: ignore[attr-defined]
-                self._keep(found, target.attr, value)
+                _keep(found, target.attr, value)
 
     def parameters(self, module: Module, function: ast.FunctionDef, owner: tuple[str, str] | None) -> dict[str, Value]:
         """Return what a function's parameters stand for; ``owner``: the class it is a method of."""
@@ -200,7 +201,7 @@ class Kinds:
                 found[given.arg] = value
         return found
 
-    @staticmethod
-    def _keep(found: dict[str, Value], name: str, value: Value | None) -> None:
-        if value is not None and name not in found:
-            found[name] = value
+
+def _keep(found: dict[str, Value], name: str, value: Value | None) -> None:
+    if value is not None:
+        found.setdefault(name, value)

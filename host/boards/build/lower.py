@@ -12,7 +12,7 @@ from .kinds import TABLES, WHOLE, Kinds, Value, block_kinds
 from .records import Layout, records_of
 from .rewrite import Edit, Places, apply_edits, beside, without_result
 from .rules import MARKS
-from .source import PACKAGES, Module, constant_value, read_modules, refresh
+from .source import PACKAGES, Module, called, constant_value, read_modules, refresh
 
 # What reads each in a hot function
 _POINTERS = {"record": "ptr32", "array": "ptr32", "table": "ptr16", "words": "ptr32"}
@@ -38,13 +38,11 @@ def _lowered(module: Module, kinds: Kinds, fields: set[str]) -> Module:
     for node in declared:
         layout = kinds.layouts.find(module, node.name)
         assert layout is not None
-        edits.append(_constructor(module, node, layout, place))
+        edits.append(place.statement(node, _constructor(layout)))
     edits += _imports(module, bool(declared), place)
-    inside = {id(n) for node in declared for n in ast.walk(node)}
-    hot = {id(function) for function in module.hot_functions}
-    edits += Lowering(module, kinds, fields, place).module_level(inside)
+    edits += Lowering(module, kinds, fields, place).module_level()
     for function, owner in _functions(module):
-        edits += Lowering(module, kinds, fields, place).function(function, owner, id(function) in hot)
+        edits += Lowering(module, kinds, fields, place).function(function, owner, function in module.hot_functions)
     text = apply_edits(module.text, edits)
     blocks = {f.name: block_kinds(kinds.parameters(module, f, None)) for f in module.hot_functions}
     holders = {f"{module.name}.{node.name}": block_kinds(kinds.members((module.name, node.name)))
@@ -77,13 +75,11 @@ def _functions(module: Module) -> list[tuple[ast.FunctionDef, tuple[str, str] | 
     return found
 
 
-def _constructor(module: Module, node: ast.ClassDef, layout: Layout, place: Places) -> Edit:
-    """The class becomes a function that makes its array."""
+def _constructor(layout: Layout) -> str:
+    """Return what a record's class becomes: a function that makes its array."""
     given = [(at, value) for at, value in enumerate(layout.defaults()) if value]
-    start, end = place.start(node.decorator_list[0]) - 1, place.end(node)
-    lines = module.text[start:end].count(b"\n")
     values = f", ({''.join(f'{pair}, ' for pair in given)})" if given else ""
-    return Edit(start, end - start, f"def {node.name}(): return block({layout.size}{values})" + "\n" * lines)
+    return f"def {layout.name}(): return block({layout.size}{values})"
 
 
 def _imports(module: Module, declares: bool, place: Places) -> list[Edit]:
@@ -98,9 +94,7 @@ def _imports(module: Module, declares: bool, place: Places) -> list[Edit]:
             names.append("block")
         if len(names) != len(node.names) or "block" in names:
             source = "." * node.level + (node.module or "")
-            lines = "\n" * ((node.end_lineno or node.lineno) - node.lineno)
-            text = f"from {source} import {', '.join(names)}" if names else "pass"
-            edits.append(Edit(place.start(node), place.end(node) - place.start(node), text + lines))
+            edits.append(place.statement(node, f"from {source} import {', '.join(names)}" if names else "pass"))
     return edits
 
 
@@ -114,29 +108,25 @@ class Lowering:
         self._heads: dict[str, tuple[str, str]] = {}  # aliases to be made at the function's head: kind and what of
         self._given: set[str] = set()
 
-    def module_level(self, inside: set[int]) -> list[Edit]:
-        """Return the edits of the statements outside functions and records."""
-        edits: list[Edit] = []
-        for node in self.module.tree.body:
-            if not isinstance(node, ast.FunctionDef | ast.ClassDef) and id(node) not in inside:
-                edits += self._edits(node)
-        return edits
+    def module_level(self) -> list[Edit]:
+        """Return the edits of the statements outside functions and classes."""
+        statements = [node for node in self.module.tree.body if not isinstance(node, ast.FunctionDef | ast.ClassDef)]
+        return [edit for node in statements for edit in self._edits(node)]
 
     def function(self, function: ast.FunctionDef, owner: tuple[str, str] | None, hot: bool) -> list[Edit]:
         """Return the edits of a function; ``owner``: the class it is a method of."""
         self.hot = hot
-        given = self._enter(function, owner)
-        edits: list[Edit] = []
-        for statement in function.body:
-            edits += self._edits(statement)
+        self._enter(function, owner)
+        edits = [edit for statement in function.body for edit in self._edits(statement)]
         for argument in function.args.args:
-            if argument.arg in given and argument.annotation is not None:
+            if argument.arg in self._given and argument.annotation is not None:
                 start = self.place.start(argument) + len(argument.arg)
                 edits.append(Edit(start, self.place.end(argument.annotation) - start, ""))
         if not hot and function.returns is not None:
             edits.append(without_result(self.module, function, self.place))
         if self._heads:
-            edits.append(self._head(function))
+            head = "; ".join(f"{alias} = {kind}({name})" for alias, (kind, name) in self._heads.items())
+            edits.append(beside(self.module, function, head, self.place))
         return edits
 
     def known(self, function: ast.FunctionDef) -> dict[str, Value]:
@@ -144,38 +134,38 @@ class Lowering:
         self._enter(function, None)
         return self.names
 
-    def _enter(self, function: ast.FunctionDef, owner: tuple[str, str] | None) -> set[str]:
-        """Learn what a function's parameters and local names stand for; return the parameters that are known."""
+    def _enter(self, function: ast.FunctionDef, owner: tuple[str, str] | None) -> None:
+        """Learn what a function's parameters and local names stand for."""
         for argument in function.args.args:
             self.names.pop(argument.arg, None)
         given = self.kinds.parameters(self.module, function, owner)
         self.names |= given
         self._given = set(given)
         self._assignments(function)
-        return self._given
 
     # what local names stand for
 
     def _assignments(self, function: ast.FunctionDef) -> None:
         """Learn, in order, what is kept under local names."""
-        for node in sorted(filter(_keeps, ast.walk(function)), key=lambda n: n.lineno):  # type: ignore[attr-defined]
-            if isinstance(node, ast.AnnAssign):
-                name = node.target.id  # type: ignore[union-attr]
-                value = self.kinds.annotated(self.module, node.annotation, name)
-                if value:
-                    self.names[name] = value
+        statements = [node for node in ast.walk(function) if isinstance(node, ast.Assign | ast.AnnAssign)]
+        for node in sorted(statements, key=lambda one: one.lineno):
+            target = node.target if isinstance(node, ast.AnnAssign) else node.targets[0]
+            if not isinstance(target, ast.Name):
                 continue
-            assert isinstance(node, ast.Assign)
-            name = node.targets[0].id  # type: ignore[attr-defined]
-            value = self._local(name, node.value)
-            known = self.names.get(name)
-            if value is None:
-                if known is not None and name not in self._given and not _marked(node.value):
-                    self.names.pop(name)
-                continue
-            if known is not None and known.kind == value.kind == "record" and known.raw != value.raw:
-                raise self.module.error(node, f"{name} stands for {known.raw} already: one name for one record")
-            self.names[name] = value
+            if isinstance(node, ast.Assign):
+                self._assign(node, target.id)
+            elif value := self.kinds.annotated(self.module, node.annotation, target.id):
+                self.names[target.id] = value
+
+    def _assign(self, node: ast.Assign, name: str) -> None:
+        value, known = self._local(name, node.value), self.names.get(name)
+        if value is None:
+            if name not in self._given and called(node.value) not in MARKS:
+                self.names.pop(name, None)
+            return
+        if known is not None and known.kind == value.kind == "record" and known.raw != value.raw:
+            raise self.module.error(node, f"{name} stands for {known.raw} already: one name for one record")
+        self.names[name] = value
 
     def _local(self, name: str, node: ast.expr) -> Value | None:
         found = self.resolve(node)
@@ -185,11 +175,11 @@ class Lowering:
         if found.kind in ("within", "run"):
             return replace(found, at=name)
         if self.hot and found.kind in _POINTERS:
-            return replace(found, text=name, raw=found.raw)
+            return replace(found, text=name)
         if self.hot and found.kind == "object":
             return found
         if found.kind in WHOLE:
-            return replace(found, text=name, raw=name)
+            return found.named(name)
         return None
 
     # expressions
@@ -209,8 +199,7 @@ class Lowering:
             assert isinstance(node.value, ast.Name)
             origin = self.kinds.modules[self.module.aliases[node.value.id]]
             found = self.kinds.globals_of(origin).get(node.attr)
-            text = f"{node.value.id}.{node.attr}"
-            return replace(found, text=text, raw=text) if found else None
+            return found.named(f"{node.value.id}.{node.attr}") if found else None
         base = self.resolve(node.value)
         if base is None:
             if node.attr in self.fields and (self.hot or node.attr not in self.kinds.attributes):
@@ -235,8 +224,7 @@ class Lowering:
             return None
         if base.kind == "list":
             assert base.inner is not None
-            text = f"{base.text}[{self._text(node.slice)}]"
-            return replace(base.inner, text=text, raw=text)
+            return base.inner.named(f"{base.text}[{self._text(node.slice)}]")
         if base.kind == "run":
             size = base.layout.size if base.layout else 1
             at = _sum(base.at, self._times(node.slice, size))
@@ -291,34 +279,28 @@ class Lowering:
 
     def _edits(self, node: ast.AST) -> list[Edit]:
         if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
-            edit = self._kept(node, node.targets[0].id)
+            edit = self._kept(node)
             if edit is not None:
                 return [edit]
-        if _marked(node):
+        if called(node) in MARKS:
             return []  # an alias made by hand
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and not self._is_module(node.func.value):
             return [edit for part in (node.func.value, *node.args, *node.keywords) for edit in self._edits(part)]
         if isinstance(node, ast.Attribute | ast.Subscript | ast.Name):
             found = self.resolve(node)
             if found is not None and (changed := self._changed(node, found)) is not None:
-                return [Edit(self.place.start(node), self.place.end(node) - self.place.start(node), changed)]
-        edits: list[Edit] = []
-        for child in ast.iter_child_nodes(node):
-            edits += self._edits(child)
-        return edits
+                return [self.place.edit(node, changed)]
+        return [edit for child in ast.iter_child_nodes(node) for edit in self._edits(child)]
 
-    def _kept(self, node: ast.Assign, name: str) -> Edit | None:
+    def _kept(self, node: ast.Assign) -> Edit | None:
         """The edit of ``name = a record, a part of one or an object``."""
         found = self.resolve(node.value)
-        if found is None:
-            return None
-        start, size = self.place.start(node.value), self.place.end(node.value) - self.place.start(node.value)
-        if found.kind in ("within", "run"):
-            return Edit(start, size, found.at)
-        if self.hot and found.kind in _POINTERS:
-            return Edit(start, size, f"{_POINTERS[found.kind]}({found.raw})")
-        if self.hot and found.kind == "object":
-            return Edit(self.place.start(node), self.place.end(node) - self.place.start(node), "pass")
+        if found is not None and found.kind in ("within", "run"):
+            return self.place.edit(node.value, found.at)
+        if found is not None and self.hot and found.kind in _POINTERS:
+            return self.place.edit(node.value, f"{_POINTERS[found.kind]}({found.raw})")
+        if found is not None and self.hot and found.kind == "object":
+            return self.place.edit(node, "pass")
         return None
 
     def _changed(self, node: ast.expr, found: Value) -> str | None:
@@ -331,21 +313,6 @@ class Lowering:
             store = isinstance(node.ctx, ast.Store)
             return None if store or found.raw in ("", node.id) else found.raw
         return found.raw if found.raw and found.raw != ast.unparse(node) else None
-
-    def _head(self, function: ast.FunctionDef) -> Edit:
-        """Make the aliases, on a line that is there."""
-        text = "; ".join(f"{alias} = {kind}({name})" for alias, (kind, name) in self._heads.items())
-        return beside(self.module, function, text, self.place)
-
-
-def _keeps(node: ast.AST) -> bool:
-    """Return whether a statement keeps something under a local name."""
-    target = node.targets[0] if isinstance(node, ast.Assign) else getattr(node, "target", None)
-    return isinstance(node, ast.Assign | ast.AnnAssign) and isinstance(target, ast.Name)
-
-
-def _marked(node: ast.AST) -> bool:
-    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in MARKS
 
 
 def _sum(left: str, right: str) -> str:

@@ -31,7 +31,6 @@ class Layout:
     """A record: its fields in the order of their declaration, one behind the other."""
 
     name: str
-    module: str
     places: dict[str, Place] = field(default_factory=dict)
     size: int = 0
     numbered: bool = False  # an Axes: its fields are read by number, too
@@ -72,7 +71,7 @@ class Layouts:
                 if isinstance(statement, ast.AnnAssign) and isinstance(statement.target, ast.Name)}
 
     def _read(self, module: Module, declared: ast.ClassDef) -> Layout:
-        made = Layout(declared.name, module.name, numbered=bool(declared.bases))
+        made = Layout(declared.name, numbered=bool(declared.bases))
         for statement in declared.body:
             if isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant):
                 continue  # its docstring

@@ -7,8 +7,8 @@ the board names the line of the source.
 import ast
 from dataclasses import dataclass
 
-from .rules import POINTERS, REGISTERS, aliases, check_hot, hot_arity
-from .source import Module, has_no_result
+from .rules import POINTERS, REGISTERS, aliases, check_hot, hot_function
+from .source import Module, assignments, called, calls, has_no_result, is_name, stored_names
 
 EMITTERS = ("bytecode", "native", "viper")
 
@@ -36,25 +36,21 @@ def rewrite(module: Module, modules: dict[str, Module], emitter: str, arch: str)
     edits: list[Edit] = []
     for function in _functions(module.tree):
         edits += inline_constants(module, function, place)
-    hot = module.hot_functions
-    for function in hot:
+    for function in module.hot_functions:
         check_hot(module, function, modules)
-        if emitter == "bytecode":
-            edits += strip_aliases(function, place)
+        if emitter != "bytecode":
+            marks = [mark for mark in function.decorator_list if is_name(mark, "hot")]
+            edits += [place.edit(mark, f"micropython.{emitter}") for mark in marks]
+        if emitter != "viper":
+            edits += _strip_aliases(function, place)
             continue
-        for mark in function.decorator_list:
-            if isinstance(mark, ast.Name) and mark.id == "hot":
-                edits.append(Edit(place.start(mark), len("hot"), f"micropython.{emitter}"))
-        if emitter == "native":
-            edits += strip_aliases(function, place)
-        else:
-            edits += _wrap_calls(module, function, modules, place)
-            edits += _name_registers(function, place)
-            if has_no_result(function):
-                edits.append(without_result(module, function, place))
-            if arch == "x64":
-                edits += _extend_signs(function, place)
-                edits += _subtract_from_zero(function, place)
+        edits += _wrap_calls(module, function, modules, place)
+        edits += _name_registers(function, place)
+        if has_no_result(function):
+            edits.append(without_result(module, function, place))
+        if arch == "x64":
+            edits += _extend_signs(function, place)
+            edits += _subtract_from_zero(function, place)
     text = apply_edits(module.text, edits)
     if emitter == "viper" and arch == "x64":
         text = _expand_augmented(module, text)
@@ -65,6 +61,7 @@ class Places:
     """Byte offsets of the nodes of one text."""
 
     def __init__(self, text: bytes) -> None:
+        self._text = text
         self._lines = [0]
         for line in text.splitlines(keepends=True):
             self._lines.append(self._lines[-1] + len(line))
@@ -74,6 +71,20 @@ class Places:
 
     def end(self, node: ast.AST) -> int:
         return self._lines[node.end_lineno - 1] + node.end_col_offset  # type: ignore[attr-defined]
+
+    def edit(self, node: ast.AST, text: str) -> Edit:
+        """Return the edit that puts ``text`` in the place of a node."""
+        return Edit(self.start(node), self.end(node) - self.start(node), text)
+
+    def statement(self, node: ast.stmt, text: str) -> Edit:
+        """Return the edit that puts a line in the place of a statement and its marks; lines behind it do not move."""
+        marks = node.decorator_list if isinstance(node, ast.FunctionDef | ast.ClassDef) else []
+        start, end = self.start(marks[0]) - 1 if marks else self.start(node), self.end(node)
+        return Edit(start, end - start, text + "\n" * self._text[start:end].count(b"\n"))
+
+    def around(self, node: ast.AST, before: str, behind: str) -> list[Edit]:
+        """Return the edits that put text before and behind a node."""
+        return [Edit(self.start(node), 0, before, rank=-1), Edit(self.end(node), 0, behind, rank=1)]
 
 
 def _functions(tree: ast.Module) -> list[ast.FunctionDef]:
@@ -92,16 +103,14 @@ def beside(module: Module, owner: ast.Module | ast.FunctionDef, text: str, place
 
 def inline_constants(module: Module, function: ast.FunctionDef, place: Places) -> list[Edit]:
     """Numbers instead of names: saves a look-up in bytecode, and viper would see an object."""
-    local = {a.arg for a in function.args.args}
-    local |= {n.id for n in ast.walk(function) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+    local = {a.arg for a in function.args.args} | stored_names(function)
     known = {name: value for name, value in module.constants.items() if name not in local}
     edits = []
     for statement in function.body:
         for node in ast.walk(statement):
             if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id in known:
                 value = known[node.id]
-                text = str(value) if value >= 0 else f"({value})"
-                edits.append(Edit(place.start(node), len(node.id), text))
+                edits.append(place.edit(node, str(value) if value >= 0 else f"({value})"))
     return edits
 
 
@@ -115,14 +124,14 @@ def without_result(module: Module, function: ast.FunctionDef, place: Places) -> 
 def strip_pointers(function: ast.FunctionDef, place: Places) -> list[Edit]:
     """``ptr16(x)`` is x outside viper; without the call it costs nothing. Registers are of a model there, and stay."""
     edits = []
-    for node in ast.walk(function):
-        if isinstance(node, ast.Call) and _is_pointer(node):
-            edits.append(Edit(place.start(node), place.start(node.args[0]) - place.start(node), ""))
-            edits.append(Edit(place.end(node.args[0]), place.end(node) - place.end(node.args[0]), ""))
+    for name, call in calls(function):
+        if name in POINTERS:
+            edits.append(Edit(place.start(call), place.start(call.args[0]) - place.start(call), ""))
+            edits.append(Edit(place.end(call.args[0]), place.end(call) - place.end(call.args[0]), ""))
     return edits
 
 
-def strip_aliases(function: ast.FunctionDef, place: Places) -> list[Edit]:
+def _strip_aliases(function: ast.FunctionDef, place: Places) -> list[Edit]:
     """As strip_pointers; where a parameter's alias was, the parameter is used, and its frame gets smaller.
 
     A frame of more than eleven words is taken from MicroPython's heap, which costs more than the call itself.
@@ -134,62 +143,50 @@ def strip_aliases(function: ast.FunctionDef, place: Places) -> list[Edit]:
         if isinstance(made, ast.Name) and made.id in renamed:
             start, end = place.start(statement), place.end(statement)
             edits = [edit for edit in edits if not start <= edit.offset < end]
-            edits.append(Edit(start, end - start, "pass"))
+            edits.append(place.edit(statement, "pass"))
     for node in ast.walk(function):
         if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id in renamed:
-            edits.append(Edit(place.start(node), len(node.id), renamed[node.id]))
+            edits.append(place.edit(node, renamed[node.id]))
     return edits
 
 
 def _renamed(function: ast.FunctionDef) -> dict[str, str]:
     """Return the parameter behind each alias of a parameter that is never set anew."""
-    stored = {node.id for node in ast.walk(function) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
-    given = {argument.arg for argument in function.args.args} - stored
+    given = {argument.arg for argument in function.args.args} - stored_names(function)
     found = {}
-    for node in function.body:
-        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name) and isinstance(node.value, ast.Call):
-            behind = node.value.args[0] if _is_pointer(node.value) else None
-            if isinstance(behind, ast.Name) and behind.id in given:
-                found[node.targets[0].id] = behind.id
+    for name, value in assignments(function.body):
+        behind = value.args[0] if isinstance(value, ast.Call) and called(value) in POINTERS else None
+        if isinstance(behind, ast.Name) and behind.id in given:
+            found[name] = behind.id
     return found
-
-
-def _is_pointer(call: ast.Call) -> bool:
-    return isinstance(call.func, ast.Name) and call.func.id in POINTERS
 
 
 def _name_registers(function: ast.FunctionDef, place: Places) -> list[Edit]:
     """``reg32(x)`` is ptr32(x): viper reads and writes memory each time it is told to."""
-    return [Edit(place.start(node), len("reg"), "ptr") for node in ast.walk(function)
-            if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in REGISTERS]
+    return [Edit(place.start(call), len("reg"), "ptr") for name, call in calls(function) if name in REGISTERS]
 
 
-def _wrap_calls(
-    module: Module, function: ast.FunctionDef, modules: dict[str, Module], place: Places
-) -> list[Edit]:
+def _wrap_calls(module: Module, function: ast.FunctionDef, modules: dict[str, Module], place: Places) -> list[Edit]:
     dropped = {id(node.value) for node in ast.walk(function) if isinstance(node, ast.Expr)}
     edits = []
-    for node in ast.walk(function):
-        if not isinstance(node, ast.Call) or id(node) in dropped or not isinstance(node.func, ast.Name):
-            continue
-        if hot_arity(module, node.func.id, modules) is not None:
-            edits.append(Edit(place.start(node), 0, "int(", rank=-1))
-            edits.append(Edit(place.end(node), 0, ")", rank=1))
+    for name, call in calls(function):
+        if id(call) not in dropped and hot_function(module, name, modules) is not None:
+            edits += place.around(call, "int(", ")")
     return edits
 
 
-def _extend_signs(function: ast.FunctionDef, place: Places) -> list[Edit]:
+def _signed_elements(function: ast.FunctionDef) -> list[ast.Subscript]:
+    """Return the elements that are read or set through a ptr32."""
     signed = {name for name, kind in aliases(function).items() if kind == "ptr32"}
+    return [node for node in ast.walk(function)
+            if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name) and node.value.id in signed]
+
+
+def _extend_signs(function: ast.FunctionDef, place: Places) -> list[Edit]:
     edits = []
-    for node in ast.walk(function):
-        if (
-            isinstance(node, ast.Subscript)
-            and isinstance(node.ctx, ast.Load)
-            and isinstance(node.value, ast.Name)
-            and node.value.id in signed
-        ):
-            edits.append(Edit(place.start(node), 0, "((", rank=-1))
-            edits.append(Edit(place.end(node), 0, " << 32) >> 32)", rank=1))
+    for element in _signed_elements(function):
+        if isinstance(element.ctx, ast.Load):
+            edits += place.around(element, "((", " << 32) >> 32)")
     return edits
 
 
@@ -210,15 +207,9 @@ def _expand_augmented(module: Module, text: bytes) -> bytes:
     signs = {ast.RShift: ">>", ast.FloorDiv: "//", ast.Mod: "%"}
     edits = []
     for function in _functions(tree):
-        signed = {name for name, kind in aliases(function).items() if kind == "ptr32"}
+        elements = _signed_elements(function)
         for node in ast.walk(function):
-            if (
-                isinstance(node, ast.AugAssign)
-                and type(node.op) in signs
-                and isinstance(node.target, ast.Subscript)
-                and isinstance(node.target.value, ast.Name)
-                and node.target.value.id in signed
-            ):
+            if isinstance(node, ast.AugAssign) and type(node.op) in signs and node.target in elements:
                 start, value = place.end(node.target), place.start(node.value)
                 again = text[place.start(node.target) : start].decode()
                 sign = signs[type(node.op)]

@@ -7,7 +7,7 @@ constructs through slow or allocating objects; each rule below names one such co
 import ast
 from collections.abc import Iterator
 
-from .source import Module, constant_value, has_no_result, resolve
+from .source import Module, assignments, called, constant_value, has_no_result, is_name, resolve
 
 POINTERS = ("ptr8", "ptr16", "ptr32")
 REGISTERS = ("reg16", "reg32")  # pointers to a chip's registers, which change by themselves
@@ -37,6 +37,11 @@ _FORBIDDEN: tuple[tuple[type[ast.AST], str], ...] = (
     (ast.FunctionDef, "a function inside a function is a closure"),
     (ast.IfExp, "write the conditional as an if statement"),
 )
+_OPERATORS: dict[type, str] = {
+    ast.Div: "/ gives a float: use //",
+    ast.Pow: "** is not in viper: multiply",
+    ast.MatMult: "@ is not in viper",
+}
 
 
 def check_hot(module: Module, function: ast.FunctionDef, modules: dict[str, Module]) -> None:
@@ -66,17 +71,7 @@ def check_hot(module: Module, function: ast.FunctionDef, modules: dict[str, Modu
 
 def aliases(function: ast.FunctionDef) -> dict[str, str]:
     """Return the local names that stand for a pointer, with its kind: ``table = ptr16(TAB)``."""
-    found = {}
-    for node in ast.walk(function):
-        if (
-            isinstance(node, ast.Assign)
-            and isinstance(node.targets[0], ast.Name)
-            and isinstance(node.value, ast.Call)
-            and isinstance(node.value.func, ast.Name)
-            and node.value.func.id in MARKS
-        ):
-            found[node.targets[0].id] = node.value.func.id
-    return found
+    return {name: called(value) for name, value in assignments(ast.walk(function)) if called(value) in MARKS}
 
 
 def _body(function: ast.FunctionDef) -> Iterator[ast.AST]:
@@ -89,9 +84,9 @@ def _check_signature(module: Module, function: ast.FunctionDef) -> None:
     if given.defaults or given.kw_defaults or given.vararg or given.kwarg or given.kwonlyargs or given.posonlyargs:
         raise module.error(function, f"{function.name}: a hot function takes positional parameters without defaults")
     for parameter in given.args:
-        if parameter.annotation is not None and not _named(parameter.annotation, "int"):
+        if parameter.annotation is not None and not is_name(parameter.annotation, "int"):
             raise module.error(parameter, f"{function.name}: {parameter.arg} is annotated int, or not if an array")
-    if not _named(function.returns, "int") and not has_no_result(function):
+    if not is_name(function.returns, "int") and not has_no_result(function):
         raise module.error(function, f"{function.name}: a hot function is annotated -> int, or -> None")
 
 
@@ -105,20 +100,15 @@ def _check_number(module: Module, node: ast.AST, negated: set[int]) -> None:
 
 def _check_operator(module: Module, node: ast.AST) -> None:
     operator = getattr(node, "op", None)
-    if isinstance(operator, ast.Div):
-        raise module.error(node, "/ gives a float: use //")
-    if isinstance(operator, ast.Pow):
-        raise module.error(node, "** is not in viper: multiply")
-    if isinstance(operator, ast.MatMult):
-        raise module.error(node, "@ is not in viper")
-    if isinstance(operator, ast.LShift | ast.RShift):
-        count = constant_value(node.right if isinstance(node, ast.BinOp) else node.value, module.constants)  # type: ignore[attr-defined]
-        if count is not None and not 0 <= count < 32:
-            raise module.error(node, f"shift by {count}: viper shifts by 0 .. 31")
-    if isinstance(operator, ast.FloorDiv | ast.Mod):
-        divisor = constant_value(node.right if isinstance(node, ast.BinOp) else node.value, module.constants)  # type: ignore[attr-defined]
-        if divisor == 0:
-            raise module.error(node, "division by zero gives 0 in viper, silently")
+    if type(operator) in _OPERATORS:
+        raise module.error(node, _OPERATORS[type(operator)])
+    if not isinstance(node, ast.BinOp | ast.AugAssign):
+        return
+    right = constant_value(node.right if isinstance(node, ast.BinOp) else node.value, module.constants)
+    if isinstance(operator, ast.LShift | ast.RShift) and right is not None and not 0 <= right < 32:
+        raise module.error(node, f"shift by {right}: viper shifts by 0 .. 31")
+    if isinstance(operator, ast.FloorDiv | ast.Mod) and right == 0:
+        raise module.error(node, "division by zero gives 0 in viper, silently")
 
 
 def _check_call(module: Module, node: ast.AST, modules: dict[str, Module]) -> None:
@@ -130,17 +120,18 @@ def _check_call(module: Module, node: ast.AST, modules: dict[str, Module]) -> No
         raise module.error(node, f"{node.func.id}: keyword arguments are not in viper")
     if node.func.id in _BUILTINS:
         return
-    wanted = hot_arity(module, node.func.id, modules)
-    if wanted is None:
+    callee = hot_function(module, node.func.id, modules)
+    if callee is None:
         raise module.error(node, f"{node.func.id} is not a hot function: it returns an object")
-    if wanted != len(node.args):
-        raise module.error(node, f"{node.func.id} takes {wanted} arguments, {len(node.args)} given")
+    if len(callee.args.args) != len(node.args):
+        raise module.error(node, f"{node.func.id} takes {len(callee.args.args)} arguments, {len(node.args)} given")
 
 
 def _check_result(module: Module, node: ast.AST, modules: dict[str, Module], statements: set[int]) -> None:
     """A function without a result is called by a statement: viper would calculate with the address of None."""
-    if isinstance(node, ast.Call) and id(node) not in statements and is_silent(module, node, modules):
-        raise module.error(node, f"{ast.unparse(node.func)} has no result: call it as a statement")
+    callee = hot_function(module, called(node), modules)
+    if callee is not None and has_no_result(callee) and id(node) not in statements:
+        raise module.error(node, f"{called(node)} has no result: call it as a statement")
 
 
 def _check_return(module: Module, node: ast.AST, function: ast.FunctionDef) -> None:
@@ -149,14 +140,8 @@ def _check_return(module: Module, node: ast.AST, function: ast.FunctionDef) -> N
         raise module.error(node, f"{function.name} is annotated -> {rule}")
 
 
-def is_silent(module: Module, call: ast.Call, modules: dict[str, Module]) -> bool:
-    """Return whether ``call`` is one of a hot function without a result."""
-    found = resolve(module, call.func.id, modules) if isinstance(call.func, ast.Name) else None
-    return found is not None and found[1] in found[0].silent
-
-
-def hot_arity(module: Module, name: str, modules: dict[str, Module]) -> int | None:
-    """Return how many parameters the hot function known here as ``name`` takes; None if it is not hot."""
+def hot_function(module: Module, name: str, modules: dict[str, Module]) -> ast.FunctionDef | None:
+    """Return the hot function known here as ``name``; None if that is not hot."""
     found = resolve(module, name, modules)
     return found[0].hot.get(found[1]) if found else None
 
@@ -165,7 +150,8 @@ def _check_element(module: Module, node: ast.AST, names: dict[str, str], objects
     """Objects may be handed on (to a pointer, to a function, to another attribute), not calculated with."""
     if isinstance(node, ast.Attribute) and id(node) not in objects:
         raise module.error(node, f".{node.attr} is an object: alias it first with ptr16 or ptr32")
-    if isinstance(node, ast.Subscript) and id(node) not in objects and not _is_element(node, names):
+    aliased = isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name) and node.value.id in names
+    if isinstance(node, ast.Subscript) and id(node) not in objects and not aliased:
         raise module.error(node, "an element of an object: alias the array first with ptr16 or ptr32")
 
 
@@ -196,10 +182,6 @@ def _check_alias_use(module: Module, node: ast.AST, names: dict[str, str]) -> No
             raise module.error(child, f"{child.id} is a pointer: hand on the array itself")
 
 
-def _is_element(node: ast.Subscript, names: dict[str, str]) -> bool:
-    return isinstance(node.value, ast.Name) and node.value.id in names
-
-
 def _check_condition(module: Module, node: ast.AST, conditions: set[int]) -> None:
     truth = isinstance(node, ast.Compare | ast.BoolOp) or isinstance(getattr(node, "op", None), ast.Not)
     if truth and id(node) not in conditions:
@@ -211,7 +193,7 @@ def _check_condition(module: Module, node: ast.AST, conditions: set[int]) -> Non
 def _check_loop(module: Module, node: ast.AST) -> None:
     if isinstance(node, ast.For):
         call = node.iter
-        if not (isinstance(call, ast.Call) and _named(call.func, "range")):
+        if not isinstance(call, ast.Call) or called(call) != "range":
             raise module.error(node, "a hot loop runs over range(...)")
         if len(call.args) == 3 and not constant_value(call.args[2], module.constants):
             raise module.error(node, "the step of a range must be a constant other than 0")
@@ -247,7 +229,3 @@ def _is_swap(node: ast.AST, function: ast.FunctionDef) -> bool:
         if isinstance(statement, ast.Assign) and node in (statement.targets[0], statement.value):
             return isinstance(statement.targets[0], ast.Tuple) and isinstance(statement.value, ast.Tuple)
     return False
-
-
-def _named(node: ast.AST | None, name: str) -> bool:
-    return isinstance(node, ast.Name) and node.id == name

@@ -5,6 +5,7 @@ Everything is read from the syntax tree, nothing is imported, so a broken module
 
 import ast
 import re
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -28,8 +29,6 @@ class Module:
     tree: ast.Module
     is_package: bool
     constants: dict[str, int] = field(default_factory=dict)
-    hot: dict[str, int] = field(default_factory=dict)  # name -> number of parameters
-    silent: set[str] = field(default_factory=set)  # hot functions without a result
     imports: dict[str, tuple[str, str]] = field(default_factory=dict)  # local name -> (module, name)
     aliases: dict[str, str] = field(default_factory=dict)  # local name -> the module it stands for
     needs: set[str] = field(default_factory=set)  # modules it imports, dotted
@@ -44,8 +43,13 @@ class Module:
         return [
             node
             for node in ast.walk(self.tree)
-            if isinstance(node, ast.FunctionDef) and any(_is_name(d, "hot") for d in node.decorator_list)
+            if isinstance(node, ast.FunctionDef) and any(is_name(mark, "hot") for mark in node.decorator_list)
         ]
+
+    @cached_property
+    def hot(self) -> dict[str, ast.FunctionDef]:
+        """The same by name."""
+        return {function.name: function for function in self.hot_functions}
 
     def error(self, node: ast.AST, sentence: str) -> BuildError:
         return BuildError(f"{self.path}:{getattr(node, 'lineno', 1)}: {sentence}")
@@ -62,13 +66,11 @@ def read_modules(root: Path, packages: tuple[str, ...] = PACKAGES) -> dict[str, 
 
 
 def refresh(modules: dict[str, Module]) -> dict[str, Module]:
-    """Find every module's imports, constants and hot functions, and return them."""
+    """Find every module's imports and constants, and return them."""
     for module in modules.values():
         find_imports(module, modules)
     for module in modules.values():
         _find_constants(module, modules, ())
-        module.hot = {f.name: len(f.args.args) for f in module.hot_functions}
-        module.silent = {f.name for f in module.hot_functions if has_no_result(f)}
     return modules
 
 
@@ -115,8 +117,32 @@ def _read(root: Path, path: Path) -> Module:
     return Module(dotted.removesuffix(".__init__"), relative, text, tree, path.name == "__init__.py")
 
 
-def _is_name(node: ast.AST, name: str) -> bool:
+def is_name(node: ast.AST | None, name: str) -> bool:
     return isinstance(node, ast.Name) and node.id == name
+
+
+def called(node: ast.AST | None) -> str:
+    """Return the name that ``node`` calls; "" if it is no call, or one of something without a name."""
+    return node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
+
+
+def calls(node: ast.AST) -> Iterator[tuple[str, ast.Call]]:
+    """Yield every call of a name in ``node`` behind that name."""
+    for inner in ast.walk(node):
+        if isinstance(inner, ast.Call) and isinstance(inner.func, ast.Name):
+            yield inner.func.id, inner
+
+
+def assignments(nodes: Iterable[ast.AST]) -> Iterator[tuple[str, ast.expr]]:
+    """Yield name and value of each ``name = value`` among ``nodes``."""
+    for node in nodes:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            yield node.targets[0].id, node.value
+
+
+def stored_names(function: ast.FunctionDef) -> set[str]:
+    """Return the names that a function sets; its parameters only if it sets them anew."""
+    return {node.id for node in ast.walk(function) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
 
 
 def find_imports(module: Module, modules: dict[str, Module]) -> None:
@@ -155,17 +181,12 @@ def _find_constants(module: Module, modules: dict[str, Module], chain: tuple[str
         _find_constants(modules[origin], modules, (*chain, module.name))
         if original in modules[origin].constants:
             module.constants[name] = modules[origin].constants[original]
-    for node in module.tree.body:
-        if (
-            isinstance(node, ast.Assign)
-            and isinstance(node.targets[0], ast.Name)
-            and isinstance(node.value, ast.Call)
-            and _is_name(node.value.func, "const")
-        ):
-            value = constant_value(node.value.args[0], module.constants)
+    for name, call in assignments(module.tree.body):
+        if isinstance(call, ast.Call) and called(call) == "const":
+            value = constant_value(call.args[0], module.constants)
             if value is None:
-                raise module.error(node, "const() needs an integer that follows from literals and other constants")
-            module.constants[node.targets[0].id] = value
+                raise module.error(call, "const() needs an integer that follows from literals and other constants")
+            module.constants[name] = value
 
 
 _OPERATIONS = {

@@ -4,7 +4,6 @@ import contextlib
 import errno
 import fcntl
 import os
-import re
 import struct
 import time
 from collections.abc import Callable, Iterator, Mapping
@@ -32,11 +31,7 @@ class BoardError(UserError):
 
 
 class BoardScriptError(BoardError):
-    """A script raised an exception on the board; ``number`` is that of an OSError, else 0."""
-
-    def __init__(self, sentence: str, number: int) -> None:
-        super().__init__(sentence)
-        self.number = number
+    """A script raised an exception on the board."""
 
 
 class BoardLink:
@@ -86,7 +81,7 @@ class BoardLink:
         if error:
             lines = error.decode("utf-8", "replace").strip().splitlines()
             words = lines[-1] if lines else "that something went wrong, but not what"
-            raise BoardScriptError(f"{self.port}: the board says {words}", _os_error(words))
+            raise BoardScriptError(f"{self.port}: the board says {words}")
         return str(output.decode("utf-8", "replace"))
 
     def ask(self, script: str, shape: type[Shape], timeout_s: float = STEP_TIMEOUT_S) -> Shape:
@@ -215,13 +210,3 @@ def _ports() -> str:
     """Return what to plug in, or which ports there are."""
     found = found_ports()
     return f"there are {', '.join(found)}" if found else "plug the board in: this machine has no USB serial port"
-
-
-def _os_error(words: str) -> int:
-    """Return the number of an OSError in a traceback's last line, else 0."""
-    if not words.startswith("OSError"):
-        return 0
-    rest = words.partition(":")[2].replace("[Errno", " ").replace("]", " ").split()
-    numbers = {name: number for number, name in errno.errorcode.items()}
-    word = rest[0] if rest else ""
-    return int(word) if re.fullmatch("[0-9]{1,9}", word) else numbers.get(word, 0)

@@ -168,7 +168,8 @@ class CanFlash:
     def _send_headers(self, todo: list[int]) -> None:
         """Send each slot's header until all its joints have received and accepted it."""
         for _ in range(ROUNDS):
-            waiting = [node for node, answer in self._look(todo).items() if answer.state == w.UPDATE_IS_WAITING]
+            answers = self._expect(self._all(todo, Ask(w.UPDATE_LOOK, LOOK_FLAGS)))
+            waiting = [node for node, answer in answers.items() if answer.state == w.UPDATE_IS_WAITING]
             if not waiting:
                 return
             for slot in sorted({self.joints[node].target for node in waiting}):
@@ -315,9 +316,6 @@ class CanFlash:
             if node not in answers:
                 raise self._silent(node)
         return answers
-
-    def _look(self, nodes: list[int]) -> Mapping[int, UpdateAnswer]:
-        return self._expect(self._all(nodes, Ask(w.UPDATE_LOOK, LOOK_FLAGS)))
 
     def _state(self, node: int) -> int:
         return self._answered(node).state

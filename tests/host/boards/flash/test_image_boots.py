@@ -5,19 +5,17 @@ on any bus. Time passes by instructions. Printing is caught where MicroPython ha
 """
 
 import bisect
-import os
-import shutil
 import subprocess
 from collections import Counter
-from pathlib import Path
 
 import pytest
 
 from firmware.flash_map import BASE, HEADER, sector_at, sector_bytes, slot_at
 from host.boards.build import toolchain
-from host.boards.build.board_image import BOARD, build_board_image
+from host.boards.build.board_image import BOARD
 from host.boards.runtimes.cortex_m import instructions
 
+from ..runtimes.test_image import build_from_sources
 from .sim_flash import Memory
 
 unicorn = pytest.importorskip("unicorn")
@@ -38,13 +36,8 @@ SLICE_US = 60_000_000  # without any waiting of the processor's in it
 @pytest.fixture(scope="module", params=BOARD)
 def built(request, tmp_path_factory):
     """Return an image and its programs' folder."""
-    named = os.environ.get("CARAMELO_MICROPYTHON")
-    if named is None:
-        pytest.skip("CARAMELO_MICROPYTHON names no sources of MicroPython")
-    if shutil.which(toolchain.GCC) is None:
-        pytest.skip(f"{toolchain.GCC} is not installed")
     folder = tmp_path_factory.mktemp(request.param)
-    return build_board_image(request.param, "caramelo", Path(named), folder, os.cpu_count() or 1).image, folder
+    return build_from_sources(request.param, folder).image, folder
 
 
 class Chip:

@@ -18,8 +18,8 @@ from .sim_flash import Memory, PowerCut, SimFlash
 BOARD = "CARAMELO_JOINT"
 
 
-def slot_bytes(slot, text, length=64):
-    image = (text.encode() * length)[:length]
+def slot_bytes(slot, text, image=None):
+    image = image or (text.encode() * 64)[:64]
     digest = hashlib.sha256(image).digest()
     head = Header(slot, len(image), binascii.crc32(image), 7, digest, BOARD, text, "0.1.0", "joint")
     return head.pack() + image

@@ -3,19 +3,16 @@
 Nothing of the loader's own sources is used here but the program that ARM's compiler makes of it.
 """
 
-import binascii
-import hashlib
 import shutil
 import struct
 
 import pytest
 
-from firmware.flash_map import BASE, CONFIRMED, HEADER, SIZE, Header, sector_at, slot_at
+from firmware.flash_map import BASE, CONFIRMED, HEADER, IMAGE_MOST, SIZE, read_records, slot_at
 from host.boards.build.board_image import build_loader
 from host.boards.runtimes.cortex_m import instructions
 
-from .sim_flash import Memory, SimFlash
-from .test_loader import BOARD, m
+from . import test_loader
 
 unicorn = pytest.importorskip("unicorn")
 if shutil.which("arm-none-eabi-gcc") is None:
@@ -23,7 +20,7 @@ if shutil.which("arm-none-eabi-gcc") is None:
 
 RAM, CCM, SYSTEM = 0x20000000, 0x10000000, 0x1FFF0000
 CONTROLLER, SYSCFG, CORE = 0x40023000, 0x40013000, 0xE000E000
-KEYR, SR, CR = 0xC04, 0xC0C, 0xC10
+KEYR, CR = 0xC04, 0xC10
 KEYS = [0x45670123, 0xCDEF89AB]
 LOCK, PG, WORDS = 1 << 31, 1, 2 << 8
 STACK, ENTRY = 0x1000FFF8, 0x401
@@ -31,15 +28,12 @@ STACK, ENTRY = 0x1000FFF8, 0x401
 
 def board(records=(), slots="ab", length=1024):
     """Return a flash with images in these slots, whose vectors name their stack and first instruction, and records."""
-    store = Memory()
+    flash = test_loader.board(None, None, records)
     for name in slots:
         slot = "ab".index(name)
         data = struct.pack("<II", STACK, BASE + slot_at(slot) + ENTRY).ljust(length, b"\x5a")
-        head = Header(slot, len(data), binascii.crc32(data), 0, hashlib.sha256(data).digest(), BOARD, "b", "1", "joint")
-        store.write(slot_at(slot), head.pack() + data)
-    for place, record in enumerate(records):
-        store.write(sector_at(m.RECORDS_SECTOR) + 8 * place, m.pack_record(*record))
-    return SimFlash(store)
+        flash.store.write(slot_at(slot), test_loader.slot_bytes(slot, "b", data))
+    return flash
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +49,7 @@ class Chip:
 
         self.arm, self.flash = arm, flash
         flash.store.write(0, loader)
-        self.control, self.keys, self.count, self.vtor = LOCK, [], 0, 0
+        self.control, self.keys, self.count = LOCK, [], 0
         self.errors = []
         uc = self.uc = unicorn.Uc(unicorn.UC_ARCH_ARM, unicorn.UC_MODE_THUMB | unicorn.UC_MODE_MCLASS)
         uc.ctl_set_cpu_model(arm.UC_CPU_ARM_CORTEX_M4)
@@ -143,13 +137,13 @@ def test_the_loader_starts_the_right_slot_on_the_processor(loader, records, slot
 def test_a_trial_is_counted_in_flash_on_the_processor(loader):
     flash = board([(0, CONFIRMED), (1, 2)])
     assert started(loader, flash) == "b"
-    assert m.read_records(flash.view(0x4000, 0x4000))[0] == (1, 1)
+    assert read_records(flash.view(0x4000, 0x4000))[0] == (1, 1)
     assert [started(loader, flash) for _ in range(2)] == ["b", "a"]
 
 
 def test_the_largest_image_is_checked_in_a_blink(loader):
     """At the reset's 16 MHz the flash has no wait states: an instruction takes one to two cycles."""
-    chip = Chip(loader, board(slots="a", length=m.IMAGE_MOST))
+    chip = Chip(loader, board(slots="a", length=IMAGE_MOST))
     chip.run()
     print(f"{chip.count} instructions: {chip.count / 16000:.0f} ms at one cycle each, {chip.count / 8000:.0f} at two")
     assert chip.count < 2_500_000

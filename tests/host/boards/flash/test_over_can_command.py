@@ -127,7 +127,9 @@ def test_wrong_use(run, image, arguments, words):
 def test_a_foreign_image(run, robot, tmp_path, wrong, words):
     path = tmp_path / "wrong.caramelo"
     write_image_file(wrong, path)
+    before = [joint.done for joint in robot]
     code, out, err = run("flash", str(path), "--can", "4", "5")
     assert (code, out) == (2, "")
     assert words in err
     assert running(robot) == {OLD.about.build}
+    assert [joint.done for joint in robot] == before  # nothing was programmed or erased

@@ -139,5 +139,4 @@ def test_a_gait_board_gets_its_robots_integers():
         exec(modules[ROBOT_PARAMS], found)
         assert list(found["PARAMS"]) == pack(core_params(robot))
         assert list(found["ATTITUDE"]) == pack(attitude_block(robot))
-        assert "from firmware.start_gait import WATCHDOG, armed, motor_supply_mV, start" in modules[APPLICATION]
     assert list(generated_modules("joint", "caramelo", [])) == [APPLICATION, LEAVES]

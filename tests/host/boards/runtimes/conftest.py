@@ -2,7 +2,6 @@
 
 import os
 import pickle
-import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -10,12 +9,12 @@ from typing import Any
 import pytest
 
 from host.boards.build.native_core import why_not
-from host.boards.build.source import closure, read_modules
 from host.boards.runtimes import CPython, Unix, Wasi, base
 from host.lab.parity.check import Report, collect
 from host.lab.parity.figures import allocations, largest_values, promises
 from host.lab.parity.sources import gather
 from tests.core import kept_core
+from tests.firmware.gait_vm import copy_modules
 from tests.waiting import wait_until
 
 VECTORS = 80  # over 20 000 vectors, and 2000 ticks of each gait
@@ -31,11 +30,8 @@ def sources(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def few(sources: Path, tmp_path: Path) -> Path:
     """A folder with shared/num/fixed.py and its vectors alone, which are quick; swing, so that it is two modules."""
-    modules = read_modules(sources, ("shared", "probe"))
-    for name in closure(modules, ["probe.answer", "probe.fixed", "shared.gait.swing"]):
-        path = tmp_path / "few" / modules[name].path
-        path.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(sources / modules[name].path, path)
+    names = ("probe.answer", "probe.fixed", "shared.gait.swing")
+    copy_modules(tmp_path / "few", *names, root=sources, packages=("shared", "probe"))
     with (tmp_path / "few/probe/__init__.py").open("a") as probes:
         probes.write("\nMODULES = ('fixed',)\n")
     return tmp_path / "few"

@@ -3,15 +3,14 @@
 The compiler says it (N_STATE) in the unix VM's verbose mode; the tree is the one a board gets.
 """
 
-import ast
 import re
 import sys
 from pathlib import Path
 
 from host.boards.build.lower import lowered_modules
 from host.boards.build.rewrite import rewrite
-from host.boards.build.rules import hot_arity
-from host.boards.build.source import Module, resolve
+from host.boards.build.rules import hot_function
+from host.boards.build.source import Module, calls, resolve
 from host.boards.runtimes.process import run_command
 
 LARGEST_ON_STACK = 11  # words; VM_MAX_STATE_ON_STACK of py/vm.c
@@ -42,13 +41,10 @@ def deepest_frames(root: Path, frames: Frames) -> Frames:
 
 def _callees(module: Module, name: str, modules: dict[str, Module]) -> set[str]:
     found = set()
-    for function in module.tree.body:
-        if isinstance(function, ast.FunctionDef) and function.name == name:
-            for node in ast.walk(function):
-                if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-                    origin = resolve(module, node.func.id, modules)
-                    if origin and hot_arity(module, node.func.id, modules) is not None:
-                        found.add(f"{origin[0].path}:{origin[1]}")
+    for callee, _ in calls(module.hot[name]):
+        origin = resolve(module, callee, modules)
+        if origin and hot_function(module, callee, modules) is not None:
+            found.add(f"{origin[0].path}:{origin[1]}")
     return found
 
 

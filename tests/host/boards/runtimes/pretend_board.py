@@ -5,48 +5,66 @@ import pty
 import select
 import subprocess
 import sys
+import termios
 import threading
 import tty
+from collections.abc import Callable
 from pathlib import Path
 
 from tests.waiting import PATIENCE_S
 
 
-class PretendBoard:
-    """Use as a context; ``port`` is what a program opens as its serial port. ``silent`` boards never answer."""
+class UnixVmBoard:
+    """The unix VM at one pseudo-terminal, whose bytes are carried to another and back: ``port`` is its serial port."""
 
-    def __init__(self, folder: Path, silent: bool = False) -> None:
-        self._board, inner = pty.openpty()
-        self._outside, outer = pty.openpty()
-        tty.setraw(inner)
-        tty.setraw(outer)
-        self.port = os.ttyname(outer)
-        self._held = [inner, outer]
-        self._running = True
-        self._process = None
-        if not silent:
-            command = [sys.executable, "-m", "micropython_unix", "-i", "-X", "heapsize=8M"]
-            self._process = subprocess.Popen(
-                command, stdin=inner, stdout=inner, stderr=inner, cwd=folder, start_new_session=True
-            )
+    def __init__(self) -> None:
+        self._board, self._inner = pty.openpty()
+        self._outside, self._outer = pty.openpty()
+        tty.setraw(self._inner)
+        tty.setraw(self._outer)
+        self._mode = termios.tcgetattr(self._inner)
+        self.port = os.ttyname(self._outer)
+        self._ends = [self._board, self._inner, self._outside, self._outer]
+        self._closing = False
+        self._process: subprocess.Popen | None = None
         self._relay = threading.Thread(target=self._carry, daemon=True)
 
-    def __enter__(self) -> "PretendBoard":
-        self._relay.start()
-        return self
-
     def __exit__(self, *_: object) -> None:
-        self._running = False
+        self._closing = True
         self._relay.join(PATIENCE_S)
         if self._process:
             self._process.kill()
             self._process.wait(PATIENCE_S)
-        for end in (self._board, self._outside, *self._held):
+        for end in self._ends:
             os.close(end)
 
+    def _start_vm(self, arguments: list[str], folder: Path, before: Callable[[], object] | None = None) -> None:
+        """Start it; ``before`` is called in its process first."""
+        command = [sys.executable, "-m", "micropython_unix", *arguments]
+        ends = dict.fromkeys(("stdin", "stdout", "stderr"), self._inner)
+        self._process = subprocess.Popen(command, cwd=folder, start_new_session=True, preexec_fn=before, **ends)
+
     def _carry(self) -> None:
-        """Carry bytes both ways until the board is put away."""
-        other = {self._board: self._outside, self._outside: self._board}
-        while self._running:
-            for end in select.select(list(other), [], [], 0.05)[0]:
-                os.write(other[end], os.read(end, 4096))
+        """Carry bytes both ways until the board is put away, or ends by itself."""
+        while not self._closing and self._goes_on():
+            for end in select.select([self._board, self._outside], [], [], 0.02)[0]:
+                os.write(self._outside if end == self._board else self._board, self._read(end))
+
+    def _goes_on(self) -> bool:
+        return True
+
+    def _read(self, end: int) -> bytes:
+        return os.read(end, 4096)
+
+
+class PretendBoard(UnixVmBoard):
+    """Use as a context. ``silent`` boards never answer."""
+
+    def __init__(self, folder: Path, silent: bool = False) -> None:
+        super().__init__()
+        if not silent:
+            self._start_vm(["-i", "-X", "heapsize=8M"], folder)
+
+    def __enter__(self) -> "PretendBoard":
+        self._relay.start()
+        return self

@@ -14,23 +14,23 @@ from host.boards.build import native_core
 from host.boards.build.source import BuildError, read_modules
 from host.boards.build.typed import typed_modules
 from host.boards.runtimes import Compiled, CPython
-from host.lab.parity.check import Report, collect, examine, failures, first_difference
+from host.lab.parity.check import examine, failures, first_difference
 from host.util.errors import UserError
 
 from .conftest import VECTORS
 from .plant import plant
+from .test_parity import report_of
 
 pytestmark = pytest.mark.skipif(native_core.why_not() is not None, reason=str(native_core.why_not()))
 
 WHERE = "import shared.body.leg, sys; sys.stdout.write(shared.body.leg.__file__)"
 
 
-def run_caramelo(arguments: list[str], home: str, code: str = "") -> str:
-    """Run the command in a process of its own, then ``code`` in it; return what it printed."""
-    script = f"import sys\nfrom host import cli\nassert cli.main({arguments!r}) == 0\n{code}"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=300, check=True,
+def run_caramelo(arguments: list[str], home: str) -> subprocess.CompletedProcess[str]:
+    """Run the command in a process of its own and return what it printed, and behind it where the core comes from."""
+    script = f"import sys\nfrom host import cli\nassert cli.main({arguments!r}) == 0\n{WHERE}"
+    return subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=300, check=True,
                           env={**os.environ, core.SWITCH: home})
-    return done.stdout
 
 
 def test_the_compiled_core_agrees_over_the_whole_range(sources, reference, compiled_home, tmp_path, monkeypatch):
@@ -56,10 +56,8 @@ def test_a_wrong_machine_code_is_found_with_its_vector(few, tmp_path, monkeypatc
     wrong = plant(few, tmp_path / "wrong", "shared/num/fixed.py", "    at = angle_brad >> 5 & 2046\n",
                   "    at = (angle_brad >> 5) + (angle_brad >> 13 & 2) & 2046\n")
     monkeypatch.setenv(core.SWITCH, str(tmp_path / "none"))
-    reference, other = Report(CPython()), Report(Compiled())
-    (tmp_path / "a").mkdir()
-    collect(reference, few, tmp_path / "a", 40)
-    collect(other, wrong, tmp_path / "b", 40)
+    reference = report_of(CPython(), few, tmp_path / "a")
+    other = report_of(Compiled(), wrong, tmp_path / "b")
     assert other.failure is None
     difference = first_difference(reference, other)
     assert difference is not None
@@ -68,8 +66,8 @@ def test_a_wrong_machine_code_is_found_with_its_vector(few, tmp_path, monkeypatc
 
 def test_every_command_uses_it_and_says_the_same(compiled_home, tmp_path):
     walk = ["walk", "--distance", "0.3", "--json"]
-    with_core = run_caramelo(walk, str(compiled_home), WHERE)
-    without = run_caramelo(walk, "source", WHERE)
+    with_core = run_caramelo(walk, str(compiled_home)).stdout
+    without = run_caramelo(walk, "source").stdout
     assert with_core.splitlines()[1].endswith(".so")
     assert without.splitlines()[1].endswith("leg.py")
     told = [json.loads(text.splitlines()[0]) for text in (with_core, without)]
@@ -91,10 +89,7 @@ def test_one_that_cannot_be_loaded_is_told_and_left_out(tmp_path):
                        ("num/fixed", "raise ImportError('on purpose')\n")):
         (shared / name).parent.mkdir(parents=True, exist_ok=True)
         (shared / f"{name}.py").write_text(text)
-    script = f"import sys\nfrom host import cli\nassert cli.main(['robots', 'check', 'caramelo']) == 0\n{WHERE}"
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=60,
-                          env={**os.environ, core.SWITCH: str(tmp_path)})
-    assert done.returncode == 0
+    done = run_caramelo(["robots", "check", "caramelo"], str(tmp_path))
     assert "the compiled core can't be loaded (on purpose); the sources run instead" in done.stderr
     assert done.stdout.endswith(str(Path("shared", "body", "leg.py")))
     assert str(tmp_path) not in done.stdout
