@@ -71,10 +71,8 @@ class AdapterPort(Port):
             options["index"] = options["channel"] = _number(channel)
         if interface == "udp_multicast":
             options["channel"] = _multicast(channel)
-        if interface != "virtual":
+        if interface not in ("virtual", "slcan"):
             options["receive_own_messages"] = False
-        if interface == "slcan":
-            del options["receive_own_messages"]
         try:
             first = _first_socket(channel) if interface == "socketcan" else None
             bus = can.Bus(**options)

@@ -93,7 +93,6 @@ class CanJoints(Bus):
         self.requests = Requests(self.link, self.cycle.run_until)
         self._tick_s = 1 / robot.control.rate_hz
         self._fraction = 1.0
-        self._full_current = [block.settings.current_max for block in self._blocks]
         self._threaded, self._over = threaded, threading.Event()
         self._thread: threading.Thread | None = None
         self._failure: Exception | None = None
@@ -294,10 +293,9 @@ class CanJoints(Bus):
             raise
 
     def _write_current_limits(self) -> None:
-        for node, full in zip(self.link.nodes, self._full_current, strict=True):
-            self._still_wanted().demand(
-                node, w.COMMAND_WRITE_PARAMETER, PARAMETER_CURRENT_MAX, round(full * self._fraction)
-            )
+        for node, block in zip(self.link.nodes, self._blocks, strict=True):
+            limit = round(block.settings.current_max * self._fraction)
+            self._still_wanted().demand(node, w.COMMAND_WRITE_PARAMETER, PARAMETER_CURRENT_MAX, limit)
 
     def limit_torque(self, fraction: float) -> None:
         """See Bus; a joint takes a new current limit only while it is disarmed, so it applies from the next arming."""

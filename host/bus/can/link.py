@@ -44,14 +44,13 @@ RECEIVE_S = 0.002
 
 @dataclass
 class JointView:
-    """One joint's last reports, raw, and how many were missing. ``heard_s`` is when it last sent anything."""
+    """One joint's last reports, raw, and how many were missing."""
 
     node: int
     reply: Reply = field(default_factory=Reply)
     status: SlowStatus = field(default_factory=SlowStatus)
     heartbeat: Heartbeat = field(default_factory=Heartbeat)
     fault: Fault = field(default_factory=Fault)
-    heard_s: float = -inf
     reply_s: float = -inf
     status_s: float = -inf
     heartbeat_s: float = -inf
@@ -117,7 +116,6 @@ class JointLink:
         self._sync = Sync()
         self._sync.session = session
         self._answer = ServiceResponse()
-        self._groups = sorted({(node - 1) // 4 for node in self.nodes})
         self._counting = False
         self._sequence = 37 * session & 0xFF  # another host's last request must not look like this one's first
         self._request = ServiceRequest()
@@ -137,11 +135,10 @@ class JointLink:
         return self._sequence
 
     def send_setpoints(self, identifier: int, values: Sequence[int]) -> None:
-        """Send one kind of set-point to all nodes of this bus: twelve raw values, NO_CHANGE for no new one."""
-        for group in self._groups:
+        """Send one kind of set-point: twelve raw values, NO_CHANGE for no new one."""
+        for group in range(GROUPS):
             for slot in range(4):
-                node = 4 * group + slot + 1
-                self._slots[slot] = values[node - 1] if node in self.nodes else w.NO_CHANGE
+                self._slots[slot] = values[4 * group + slot]
             encode_group(self._out.words, self._slots)
             self.port.send(identifier + 8 * group, self._out.data.tobytes())
 
@@ -193,7 +190,7 @@ class JointLink:
         if length < w.REPLY_LENGTH or decode_reply(self._in.words, view.reply):
             view.bad += 1
             return
-        view.heard_s = view.reply_s = time_s
+        view.reply_s = time_s
         view.replies += 1
         if view.answered and view.lost:
             view.lost -= 1
@@ -206,7 +203,6 @@ class JointLink:
         if length < needed or decode(self._in.words, target):
             view.bad += 1
             return
-        view.heard_s = time_s
         if block == w.SLOW_STATUS_ID:
             view.status_s = time_s
         elif block == w.HEARTBEAT_ID:

@@ -113,18 +113,6 @@ class Scheduled:
         return max(len(data) for _, data in self.samples)
 
 
-def scheduled(name: str, identifier: int, length: int, rate_hz: float) -> Scheduled:
-    """A message with only identifier and length known: its samples are 64 fixed pseudo-random payloads."""
-    state, samples = 1, []
-    for _ in range(64):
-        payload = bytearray()
-        for _ in range(length):
-            state = (state * 1103515245 + 12345) & 0x7FFFFFFF  # the C standard's example generator
-            payload.append(state >> 16 & 0xFF)
-        samples.append((identifier, bytes(payload)))
-    return Scheduled(name, rate_hz, tuple(samples))
-
-
 @dataclass(frozen=True)
 class LoadRow:
     """One line of the answer; shares are of the whole bus, 1 = full. The total has length 0 and mean bits."""
@@ -187,23 +175,14 @@ SETPOINTS = {
     "velocity": (names.SETPOINT_VELOCITY_ID, 2048),
     "current": (names.SETPOINT_CURRENT_ID, 4096),
     "impedance": (names.SETPOINT_IMPEDANCE_ID, 8192),
-    "velocity-feedforward": (names.FEEDFORWARD_VELOCITY_ID, 2048),
-    "current-feedforward": (names.FEEDFORWARD_CURRENT_ID, 4096),
-    "stiffness": (names.IMPEDANCE_STIFFNESS_ID, 8192),
-    "damping": (names.IMPEDANCE_DAMPING_ID, 2048),
 }
-
-
-def _groups(nodes: Sequence[int]) -> list[int]:
-    return sorted({(node - 1) // 4 for node in nodes})
 
 
 def _setpoint(kind: str, nodes: Sequence[int], rate_hz: float) -> Scheduled:
     base, size = SETPOINTS[kind]
-    samples: tuple[tuple[int, bytes], ...] = ()
-    for group in _groups(nodes):
-        samples += _group_cycle(base + 8 * group, group, nodes, size)
-    return Scheduled(f"set-point {kind}", rate_hz * len(_groups(nodes)), samples)
+    groups = sorted({(node - 1) // 4 for node in nodes})
+    samples = tuple(sample for group in groups for sample in _group_cycle(base + 8 * group, group, nodes, size))
+    return Scheduled(f"set-point {kind}", rate_hz * len(groups), samples)
 
 
 def _per_joint(name: str, base: int, nodes: Sequence[int], rate_hz: float, rows: list[list[int]]) -> Scheduled:
