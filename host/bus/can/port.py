@@ -35,6 +35,7 @@ class Port(ABC):
     """A node on a CAN bus. Use it as a context manager."""
 
     name = "abstract"
+    bitrate = 1_000_000
 
     def __init__(self) -> None:
         self.counters = PortCounters()

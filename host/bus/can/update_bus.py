@@ -24,7 +24,7 @@ from shared.wire.framing import BLOCK_HEADER, BLOCK_HIGH, BLOCK_SLOT, frame_bloc
 
 from ...protocol.frames import new_frame
 from ...util.errors import NOT_ACHIEVED, UserError
-from .load import BITRATE, frame_bits
+from .load import frame_bits
 from .port import Port
 
 SHARE = 0.66  # of the bus, so that it stays below 0.7 with what joints send by themselves
@@ -59,11 +59,11 @@ class Heard:
 class UpdateBus:
     """Joints behind ``port`` during one update, which is known by ``key``, 0 .. 255."""
 
-    def __init__(self, port: Port, key: int, bitrate: int = BITRATE, share: float = SHARE) -> None:
+    def __init__(self, port: Port, key: int) -> None:
         self.port, self.key = port, key
         self.joints = {node: Heard(node) for node in range(1, 13)}
         self.bits = 0  # seen on the bus
-        self._per_s = bitrate * share
+        self._per_s = port.bitrate * SHARE
         self._free_s = port.now()
         self._in, self._out = new_frame(), new_frame()
         self._request = UpdateRequest()
