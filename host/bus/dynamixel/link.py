@@ -8,7 +8,7 @@ import termios
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, NamedTuple
 
 import serial
 from dynamixel_sdk import BROADCAST_ID, COMM_RX_TIMEOUT, COMM_SUCCESS
@@ -19,7 +19,7 @@ from ...robot.model import Robot
 from ...util.errors import NOT_ACHIEVED, UserError
 from ..base import Counters
 from .port import ServoPort
-from .roll_call import call_roll
+from .roll_call import IDS, call_roll
 from .table import (
     ALERT,
     HARDWARE_ERROR,
@@ -45,13 +45,11 @@ class ServoError(UserError):
         super().__init__(sentence, NOT_ACHIEVED)
 
 
-class Answer:
+class Answer(NamedTuple):
     """One servo's good answer: its bytes, and whether it raises its alert flag."""
 
-    __slots__ = ("alert", "data")
-
-    def __init__(self, data: bytes, alert: bool) -> None:
-        self.data, self.alert = data, alert
+    data: bytes
+    alert: bool
 
 
 class Link:
@@ -77,10 +75,14 @@ class Link:
         return self.ping(servo) or self.ping(servo, patience_ms=PATIENCE_MS)
 
     def ping_all(self) -> dict[int, int]:
-        """Return the model numbers of all servos that answer a broadcast ping, by id; protocol 2.0 only.
+        """Return the model numbers of all servos that answer, by id; asks only once.
 
-        A damaged answer is missing, and two servos with the same id may look like one.
+        A damaged answer is missing, and two servos with the same id may look like one. Protocol 1.0 has no broadcast
+        ping: there each id is asked separately.
         """
+        if self.protocol == 1.0:
+            models = {servo: self.ping(servo, 1, PING_PATIENCE_MS) for servo in range(IDS)}
+            return {servo: model for servo, model in models.items() if model is not None}
         with self.patient(PATIENCE_MS):
             found: dict[int, int] = self._guard(call_roll, self.port, self.packets)
         return found
