@@ -16,19 +16,18 @@ from shared.wire import names as w
 from tests.host.control.rig import RESET, SCRIPT, STOP, Silence
 from tests.waiting import PATIENCE_S
 
-from .robot import SESSION, Walker
+from .robot import SESSION
 from .test_reactions import opened
 
 SLOWEST_ID = 0x7FF
 
 
-@pytest.fixture
-def standing():
-    walker = Walker()
-    walker.arm()
-    walker.stand_up()
-    yield walker
-    walker.close()
+def in_time(work):
+    """Do some work in a thread; it must come to its end."""
+    thread = threading.Thread(target=work, daemon=True)
+    thread.start()
+    thread.join(PATIENCE_S)
+    assert not thread.is_alive()
 
 
 def test_a_stop_finds_room_in_a_full_send_buffer(standing):
@@ -98,9 +97,7 @@ def test_no_message_waits_for_the_bus_and_a_stop_ends_what_others_began():
                 rig.loop.receive(SCRIPT, STOP)
                 done.append(next(iter(rig.bus.port.node.waiting)))
 
-        thread = threading.Thread(target=drive, daemon=True)
-        thread.start()
-        thread.join(PATIENCE_S)
+        in_time(drive)
         assert done == [(w.E_STOP_ID, b"")]
         rig.bus.run_for(0.5)
         assert rig.sim.torque_free
@@ -144,10 +141,7 @@ class Flood(Port):
 @pytest.mark.parametrize("frame_s", [0.0, RECEIVE_S / 10])
 def test_reading_ends_though_frames_keep_coming(frame_s):
     link = JointLink(Flood(frame_s), SESSION)
-    reading = threading.Thread(target=link.receive, daemon=True)
-    reading.start()
-    reading.join(PATIENCE_S)
-    assert not reading.is_alive()
+    in_time(link.receive)
     assert link.floods == 1
     assert 0 < sum(view.replies for view in link.views.values()) <= (20 if frame_s else RECEIVE_MOST)
 
@@ -156,10 +150,7 @@ def test_looking_for_a_frame_of_ours_ends_too(monkeypatch):
     port = AdapterPort("virtual", "caramelo-flood", 1_000_000)
     foreign = can.Message(arbitration_id=0x12345, is_extended_id=True)
     monkeypatch.setattr(port._bus, "recv", lambda timeout: foreign)
-    looking = threading.Thread(target=port.receive, daemon=True)
-    looking.start()
-    looking.join(PATIENCE_S)
-    assert not looking.is_alive()
+    in_time(port.receive)
     port.close()
 
 
