@@ -62,10 +62,10 @@ class Cycle:
         self,
         link: JointLink,
         rate_hz: int,
-        units: Units | None = None,
-        loops: HostLoops | None = None,
-        report: Callable[[Notice], None] | None = None,
-        spring: tuple[int, int] | None = None,
+        units: Units,
+        loops: HostLoops | None,
+        report: Callable[[Notice], None] | None,
+        spring: tuple[int, int] | None,
     ) -> None:
         self.link, self.period_s, self.loops, self._spring = link, 1 / rate_hz, loops, spring
         self._kind = w.SETPOINT_IMPEDANCE_ID if spring else w.SETPOINT_POSITION_ID

@@ -78,7 +78,7 @@ class CanJoints(Bus):
         robot: Robot,
         port: Port,
         session: int,
-        pose_rad: Sequence[float] | None = None,
+        pose_rad: Sequence[float] | None,
         threaded: bool = False,
         report: Callable[[Notice], None] | None = None,
     ) -> None:

@@ -194,7 +194,6 @@ def default_schedule(
     rate_hz: float = 200.0,
     nodes: Sequence[int] = tuple(range(1, 13)),
     setpoints: Sequence[str] = ("position",),
-    status_hz: float = _STATUS_HZ,
 ) -> list[Scheduled]:
     """What the host and ``nodes`` (1 .. 12) send on one bus: SYNC, set-points and replies at ``rate_hz``, status."""
     unknown = [kind for kind in setpoints if kind not in SETPOINTS]
@@ -208,6 +207,6 @@ def default_schedule(
         sync,
         *(_setpoint(kind, nodes, rate_hz) for kind in setpoints),
         Scheduled("reply", rate_hz * len(nodes), replies),
-        _per_joint("slow status", names.SLOW_STATUS_ID, nodes, status_hz, status),
-        _per_joint("heartbeat", names.HEARTBEAT_ID, nodes, status_hz, alive),
+        _per_joint("slow status", names.SLOW_STATUS_ID, nodes, _STATUS_HZ, status),
+        _per_joint("heartbeat", names.HEARTBEAT_ID, nodes, _STATUS_HZ, alive),
     ]

@@ -87,8 +87,8 @@ class Requests:
         challenge = self.demand(node, w.COMMAND_READ_PARAMETER, PARAMETER_CHALLENGE).value
         return self.demand(node, command, index, challenge << 16 | low & 0xFFFF)
 
-    def to_board(self, command: int, number: int, index: int = 0) -> Response:
-        """Ask the board with a number, whatever its node: for set-id and the loader."""
+    def to_board(self, command: int, number: int, index: int) -> Response:
+        """Ask the board with a number, whatever its node: for set-id."""
         answer = self._exchange(0, command, index, number, anybody=True)
         return _done(f"board {number:#x}", answer, "caramelo joints scan lists the boards")
 

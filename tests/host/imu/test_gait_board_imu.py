@@ -65,10 +65,10 @@ def vm(tree):
     end_child(stream.process, 0.0)
 
 
-def opened(vm, patience=20):
+def opened(vm):
     """Return the sensor once the program runs: MicroPython takes a moment to load it."""
     sensor = GaitBoardImu("vm", lambda port: vm)
-    for _ in range(patience):
+    for _ in range(20):
         try:
             sensor.open()
         except ImuError:

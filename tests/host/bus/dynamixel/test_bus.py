@@ -16,10 +16,15 @@ from .rig import CARAMELO, PERIOD_S, Rig
 PROTOCOLS = (1.0, 2.0)
 
 
-@pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_measures_what_the_joints_do(protocol):
-    rig = Rig(protocol)
-    rig.bus.open()
+@pytest.fixture(params=PROTOCOLS)
+def rig(request):
+    """Servos that speak either protocol, behind an open bus."""
+    made = Rig(request.param)
+    made.bus.open()
+    return made
+
+
+def test_measures_what_the_joints_do(rig):
     measured = rig.read(8)
     assert measured.complete
     assert max(measured.age_s) == 0
@@ -31,10 +36,7 @@ def test_measures_what_the_joints_do(protocol):
     assert rig.bus.counters.errors == 0
 
 
-@pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_speed_and_load_have_the_joints_sign(protocol):
-    rig = Rig(protocol)
-    rig.bus.open()
+def test_speed_and_load_have_the_joints_sign(rig):
     rig.bus.torque(True)
     goals = list(rig.plant.position_rad)
     for joint in range(12):
@@ -66,9 +68,7 @@ def test_set_up_for_quick_answers_and_the_robots_gains(protocol):
         assert not servo.get(t.TORQUE_ENABLE)
 
 
-def test_switching_on_moves_nothing():
-    rig = Rig()
-    rig.bus.open()
+def test_switching_on_moves_nothing(rig):
     before = list(rig.plant.position_rad)
     rig.bus.torque(True)
     rig.wait(0.1)
@@ -77,9 +77,7 @@ def test_switching_on_moves_nothing():
         assert abs(was - now) < 0.003
 
 
-def test_goals_are_limited_to_the_calibrated_range_and_to_numbers():
-    rig = Rig()
-    rig.bus.open()
+def test_goals_are_limited_to_the_calibrated_range_and_to_numbers(rig):
     rig.bus.torque(True)
     rig.bus.write([3.0] * 12)
     for servo, mount in zip(rig.servos, rig.truth.joints, strict=True):
@@ -127,9 +125,7 @@ def test_a_lower_torque_limit_is_felt():
     assert weak.plant.position_rad[2] < -2.0  # still folded: the planner stands, the robot does not
 
 
-def test_a_limit_that_was_not_heard_is_sent_again():
-    rig = Rig()
-    rig.bus.open()
+def test_a_limit_that_was_not_heard_is_sent_again(rig):
     rig.bus.torque(True)
     rig.servos[4].put(t.GOAL_PWM, 300)
     rig.read(8)
@@ -207,9 +203,7 @@ def test_what_is_wrong_at_the_start_is_named(ids, spoil, words):
     assert not any(servo.get(t.TORQUE_ENABLE) for servo in rig.servos)
 
 
-def test_a_servo_that_does_not_hold_is_named():
-    rig = Rig()
-    rig.bus.open()
+def test_a_servo_that_does_not_hold_is_named(rig):
     rig.servos[7].trip()
     with pytest.raises(UserError, match=r"RR thigh \(id 8\) does not hold: overload; nothing moves"):
         rig.bus.torque(True)
@@ -260,9 +254,7 @@ def test_a_dead_bus_lets_go():
     assert rig.safety.sentence == "12 joints do not answer: check the bus cable and the power"
 
 
-def test_a_dip_of_the_battery_is_no_low_battery():
-    rig = Rig()
-    rig.bus.open()
+def test_a_dip_of_the_battery_is_no_low_battery(rig):
     rig.read(8)
     for servo in rig.servos:
         servo.put(t.PRESENT_VOLTAGE, 99)
@@ -273,9 +265,7 @@ def test_a_dip_of_the_battery_is_no_low_battery():
     assert rig.safety.action == "none"
 
 
-def test_fallen_is_limp_and_a_reset_needs_the_cause_to_be_gone():
-    rig = Rig()
-    rig.bus.open()
+def test_fallen_is_limp_and_a_reset_needs_the_cause_to_be_gone(rig):
     measured = rig.read(8)
     safety = Safety(CARAMELO)
     assert safety.update(measured, (0.0, 1.2)) == "limp"
@@ -346,10 +336,7 @@ def walk_checked(rig, ticks):
         check_cycle(rig, before, rig.tick(mode="walk", vx_m_s=0.05))
 
 
-@pytest.mark.parametrize("protocol", PROTOCOLS)
-def test_the_budget_counts_the_bytes_of_a_cycle(protocol):
-    rig = Rig(protocol)
-    rig.bus.open()
+def test_the_budget_counts_the_bytes_of_a_cycle(rig):
     rig.bus.torque(True)
     wire = {"bytes": 0}
     write, receive = rig.port.writePort, rig.emulated.receive
@@ -370,7 +357,7 @@ def test_the_budget_counts_the_bytes_of_a_cycle(protocol):
         rig.read()
         rig.bus.write(rig.plant.position_rad)
         busiest = max(busiest, wire["bytes"])
-    assert busiest == budget(4_000_000, 50, protocol).bytes
+    assert busiest == budget(4_000_000, 50, rig.bus.link.protocol).bytes
 
 
 def test_the_budget_knows_what_does_not_fit():

@@ -212,17 +212,17 @@ def test_an_adapter_that_goes_away_is_one_sentence():
     assert "the adapter is gone" in bus.warnings[0]
 
 
-def test_a_slow_adapter_is_warned_about_with_the_remedy(tmp_path):
-    pattern = str(tmp_path / "{tty}" / "latency_timer")
+def test_a_slow_adapter_is_warned_about_with_the_remedy(tmp_path, monkeypatch):
+    monkeypatch.setattr("host.bus.dynamixel.port.LATENCY_TIMER", str(tmp_path / "{tty}" / "latency_timer"))
     timer = tmp_path / "ttyUSB0" / "latency_timer"
-    assert latency_ms("/dev/ttyUSB0", pattern) is None
-    assert latency_warning("/dev/ttyUSB0", pattern) is None
+    assert latency_ms("/dev/ttyUSB0") is None
+    assert latency_warning("/dev/ttyUSB0") is None
     timer.parent.mkdir()
     timer.write_text("16\n")
-    warning = latency_warning("/dev/ttyUSB0", pattern)
+    warning = latency_warning("/dev/ttyUSB0")
     assert warning == f"/dev/ttyUSB0: the adapter delays answers by 16 ms; run: echo 1 | sudo tee {timer}"
     timer.write_text("1\n")
-    assert latency_warning("/dev/ttyUSB0", pattern) is None
+    assert latency_warning("/dev/ttyUSB0") is None
 
 
 def test_a_lost_answer_costs_little_time():
