@@ -17,8 +17,8 @@ from shared.wire import names
 from shared.wire.framing import NODES
 
 from ...protocol import frames
+from .port import BITRATE
 
-BITRATE = 1_000_000
 _STUFFED_OVERHEAD = 34  # SOF 1, identifier 11, RTR, IDE, r0, DLC 4, CRC 15
 _UNSTUFFED = 10 + 3  # CRC delimiter, ACK slot and delimiter, EOF 7; intermission 3
 _CRC15 = 0x4599  # ISO 11898-1: x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1
