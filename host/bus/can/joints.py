@@ -218,7 +218,8 @@ class CanJoints(Bus):
     def read(self) -> Measured:
         """See Bus: what the cycle has heard."""
         self._check_thread()
-        if self._arming is not None and self._arming.done() and self.now() - self._asked_s > ABANDONED_S:
+        arming = self._arming
+        if arming is not None and arming.done() and self.now() - self._asked_s > ABANDONED_S:
             self._arming = None
             self.torque(False)
         if self._thread is None:
@@ -304,11 +305,12 @@ class CanJoints(Bus):
     def try_torque(self) -> bool:
         """See Bus. Torque that the caller no longer waits for is taken away again."""
         self._asked_s = self.now()
-        if self._arming is None:
-            self._arming = self._soon(self._arm)
-        if not self._arming.done():
+        arming = self._arming  # another thread's stop may forget it
+        if arming is None:
+            arming = self._arming = self._soon(self._arm)
+        if not arming.done():
             return False
-        arming, self._arming = self._arming, None
+        self._arming = None
         arming.result()
         return True
 
@@ -318,11 +320,12 @@ class CanJoints(Bus):
 
     def try_clear_faults(self) -> bool:
         """See Bus."""
-        if self._clearing is None:
-            self._clearing = self._soon(self._clear)
-        if not self._clearing.done():
+        clearing = self._clearing  # as above
+        if clearing is None:
+            clearing = self._clearing = self._soon(self._clear)
+        if not clearing.done():
             return False
-        clearing, self._clearing = self._clearing, None
+        self._clearing = None
         clearing.result()
         return True
 

@@ -1,11 +1,13 @@
 """A stop on CAN: goes before all that waits, is repeated until every joint says so, and nothing holds it up."""
 
 import threading
+from concurrent.futures import Future
 from itertools import count
 
 import can
 import pytest
 
+from host.bus.can import cycle
 from host.bus.can.adapter import AdapterPort
 from host.bus.can.joints import OVERTAKEN
 from host.bus.can.link import RECEIVE_MOST, RECEIVE_S, JointLink
@@ -116,6 +118,37 @@ def test_work_that_a_stop_overtakes_arms_nothing():
             arming.result(PATIENCE_S)
         assert rig.sim.torque_free
         assert not rig.bus.cycle.armed
+
+
+def test_a_stop_while_the_cycle_looks_where_the_joints_are_does_not_end_it(monkeypatch):
+    """It ends the goals, from another thread and so between any two lines."""
+    with opened() as rig:
+        rig.bus.cycle.hold()
+        monkeypatch.setattr(cycle, "_position", lambda reply: rig.bus.emergency_stop() or 0)
+        rig.bus.cycle.step()
+        assert rig.bus.cycle.letting_go == "stop"
+        assert rig.bus.cycle.goals_brad is None
+
+
+class Stopped(Future):
+    """Work that another thread's emergency stop overtakes while somebody looks whether it is done."""
+
+    def __init__(self, bus):
+        super().__init__()
+        self._bus = bus
+        self.set_exception(UserError(OVERTAKEN))
+
+    def done(self):
+        self._bus.emergency_stop()
+        return super().done()
+
+
+@pytest.mark.parametrize("ask", ["try_torque", "try_clear_faults"])
+def test_a_stop_while_a_loop_looks_whether_its_work_is_done_is_told(monkeypatch, ask):
+    with opened() as rig:
+        monkeypatch.setattr(rig.bus, "_soon", lambda do: Stopped(rig.bus))
+        with pytest.raises(UserError, match=OVERTAKEN):
+            getattr(rig.bus, ask)()
 
 
 class Flood(Port):
