@@ -10,7 +10,6 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from math import inf, isfinite
-from types import TracebackType
 from typing import Self
 
 from ..robot.model import JOINT_NAMES, LEG_NAMES
@@ -165,7 +164,7 @@ UserError if it can't be done. A bus that needs only one exchange does it at onc
         self.open()
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 

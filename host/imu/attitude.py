@@ -27,22 +27,22 @@ MOVED = "it moved, so the gyro's bias is measured again: hold the robot still"
 class Attitude:
     """One robot's attitude; ``update`` once a tick."""
 
-    def __init__(self, robot: Robot, source: Imu, rate_hz: int | None = None) -> None:
+    def __init__(self, robot: Robot, source: Imu) -> None:
         self.source = source
         self.raw = zeros(COUNTS)
-        self.block = attitude_block(robot, rate_hz)
+        self.block = attitude_block(robot)
         self.fault = ""
         self.note = ""
         self.missed = 0  # readings that did not come in time
         self._axes = Axes(robot.imu.axes)
-        self._rate_hz = rate_hz or robot.control.rate_hz
+        self._rate_hz = robot.control.rate_hz
         self._stuck_ticks = round(STUCK_S * self._rate_hz)
         self._saturated_ticks = round(SATURATED_S * self._rate_hz)
         self._last: tuple[int, ...] = ()
         self._alike = self._saturated = self._gap = 0
         self._gap_ticks = round(GAP_S * self._rate_hz)
         self._aligned = self._is_open = False
-        self._retry_ticks = self._wait_ticks = round(RETRY_S * (rate_hz or robot.control.rate_hz))
+        self._retry_ticks = self._wait_ticks = round(RETRY_S * self._rate_hz)
 
     def open(self) -> None:
         """Open the sensor and start to align. A missing one is a fault, not an error: later ticks look for it again."""

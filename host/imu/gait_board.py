@@ -6,7 +6,6 @@ The board keeps doing its own work; its other frames are read and thrown away.
 import select
 import time
 from collections.abc import Callable
-from typing import Protocol
 
 import serial
 
@@ -24,31 +23,14 @@ CHUNK = 4096
 READING_BYTES = 2 + 2 * COUNTS  # of its payload (firmware/link.py)
 
 
-class Stream(Protocol):
-    """A byte stream to a board that never blocks."""
-
-    def fileno(self) -> int:
-        """What select() can wait for."""
-
-    def read(self, count: int) -> bytes | None:
-        """Return what is there, at most ``count`` bytes."""
-
-    def write(self, data: bytes) -> int | None:
-        """Send bytes."""
-
-    def close(self) -> None:
-        """Hang up."""
-
-
-def open_serial(port: str) -> Stream:
-    """Return an open serial port; ImuError with what to do."""
+def open_serial(port: str) -> serial.Serial:
+    """Return an open serial port, whose reads don't wait; ImuError with what to do."""
     from ..bus.dynamixel.port import explain
 
     try:
-        stream: Stream = serial.Serial(port, BAUD, timeout=0, write_timeout=WRITE_S, exclusive=True)
+        return serial.Serial(port, BAUD, timeout=0, write_timeout=WRITE_S, exclusive=True)
     except serial.SerialException as error:
         raise ImuError(explain(port, error)) from None
-    return stream
 
 
 class GaitBoardImu(Imu):
@@ -56,9 +38,9 @@ class GaitBoardImu(Imu):
 
     kind = "gait board"
 
-    def __init__(self, port: str, opener: Callable[[str], Stream] = open_serial) -> None:
+    def __init__(self, port: str, opener: Callable[[str], serial.Serial] = open_serial) -> None:
         self._port, self._opener = port, opener
-        self._stream: Stream | None = None
+        self._stream: serial.Serial | None = None
         self._reader = FrameReader()
         self._number, self._reading = 0, b""
 

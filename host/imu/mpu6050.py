@@ -12,7 +12,8 @@ from ..robot.model import Robot
 from ..util.extras import how_to_get
 from .base import Imu, ImuError, ImuLate
 
-ADDRESS = 0x68
+BUS, ADDRESS = 1, 0x68
+WHERE = f"I2C {BUS}, address 0x{ADDRESS:02x}"
 CONFIG, GYRO_CONFIG, ACCEL_CONFIG, ACCEL_OUT, POWER, WHO_AM_I = 0x1A, 0x1B, 0x1C, 0x3B, 0x6B, 0x75
 BLOCK = 14  # accelerometer, temperature, gyro
 IDENTITY = 0x68
@@ -38,8 +39,8 @@ class Mpu6050(Imu):
 
     kind = "mpu6050"
 
-    def __init__(self, robot: Robot, bus: int = 1, address: int = ADDRESS, opener: Any = open_i2c) -> None:
-        self._bus_number, self._address, self._opener = bus, address, opener
+    def __init__(self, robot: Robot, opener: Any = open_i2c) -> None:
+        self._opener = opener
         self._gyro_range = GYRO_RANGES.index(robot.imu.gyro_counts_per_deg_s)
         self._accel_range = ACCEL_RANGES.index(robot.imu.accel_counts_per_g)
         self._i2c: Any = None
@@ -55,36 +56,36 @@ class Mpu6050(Imu):
 
     def _set_up(self) -> None:
         try:
-            self._i2c = self._opener(self._bus_number)
-            identity = self._i2c.read_byte_data(self._address, WHO_AM_I)
+            self._i2c = self._opener(BUS)
+            identity = self._i2c.read_byte_data(ADDRESS, WHO_AM_I)
             if identity != IDENTITY:
-                raise ImuError(f"{self._where}: answers as 0x{identity:02x}, an MPU6050 answers as 0x{IDENTITY:02x}")
+                raise ImuError(f"{WHERE}: answers as 0x{identity:02x}, an MPU6050 answers as 0x{IDENTITY:02x}")
             for register, value in (
                 (POWER, CLOCK_GYRO_X),
                 (CONFIG, LOW_PASS),
                 (GYRO_CONFIG, self._gyro_range << 3),
                 (ACCEL_CONFIG, self._accel_range << 3),
             ):
-                self._i2c.write_byte_data(self._address, register, value)
+                self._i2c.write_byte_data(ADDRESS, register, value)
         except ModuleNotFoundError:
             raise ImuError(f"no library for the I2C bus on this machine: {how_to_get('smbus2')}") from None
         except FileNotFoundError:
-            raise ImuError(f"/dev/i2c-{self._bus_number}: no such bus: run sudo raspi-config nonint do_i2c 0") from None
+            raise ImuError(f"/dev/i2c-{BUS}: no such bus: run sudo raspi-config nonint do_i2c 0") from None
         except PermissionError:
             raise ImuError(
-                f"/dev/i2c-{self._bus_number}: no permission; run: sudo usermod -aG i2c $USER   and log in again"
+                f"/dev/i2c-{BUS}: no permission; run: sudo usermod -aG i2c $USER   and log in again"
             ) from None
         except OSError as error:
-            raise ImuError(f"{self._where}: no MPU6050 answers ({error.strerror or error}): check its wires") from None
+            raise ImuError(f"{WHERE}: no MPU6050 answers ({error.strerror or error}): check its wires") from None
 
     def read(self) -> tuple[int, ...]:
         """See Imu."""
         if self._i2c is None:
-            raise ImuError(f"{self._where}: not open")
+            raise ImuError(f"{WHERE}: not open")
         try:
-            block = self._i2c.read_i2c_block_data(self._address, ACCEL_OUT, BLOCK)
+            block = self._i2c.read_i2c_block_data(ADDRESS, ACCEL_OUT, BLOCK)
         except OSError as error:
-            raise ImuLate(f"{self._where}: stopped answering ({error.strerror or error}): check its wires") from None
+            raise ImuLate(f"{WHERE}: stopped answering ({error.strerror or error}): check its wires") from None
         ax, ay, az, _, gx, gy, gz = struct.unpack(">7h", bytes(block))
         return gx, gy, gz, ax, ay, az
 
@@ -93,7 +94,3 @@ class Mpu6050(Imu):
         if self._i2c is not None:
             self._i2c.close()
             self._i2c = None
-
-    @property
-    def _where(self) -> str:
-        return f"I2C {self._bus_number}, address 0x{self._address:02x}"

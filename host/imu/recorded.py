@@ -30,12 +30,12 @@ class RecordedImu(Imu):
         self._readings = iter([self._parse(number, line) for number, line in enumerate(lines, 1) if _is_data(line)])
 
     def _parse(self, number: int, line: str) -> tuple[int, ...]:
-        wanted = f"{COUNTS} whole numbers within +-{INT16_MAX}: {HEADER}"
         try:
             counts = tuple(int(word) for word in line.split(","))
         except ValueError:
-            raise UserError(f"{self._path}:{number}: {line[:60]!r}: allowed: {wanted}") from None
+            counts = ()
         if len(counts) != COUNTS or max(map(abs, counts)) > INT16_MAX + 1:
+            wanted = f"{COUNTS} whole numbers within +-{INT16_MAX}: {HEADER}"
             raise UserError(f"{self._path}:{number}: {line[:60]!r}: allowed: {wanted}")
         return counts
 

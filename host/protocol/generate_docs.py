@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from decimal import Decimal
 from fractions import Fraction
 
 from .dbc import Message, Signal
@@ -17,14 +18,8 @@ JOINTS = [f"{leg}_{joint}" for leg in ("FR", "FL", "RR", "RL") for joint in ("hi
 
 
 def _number(value: Fraction) -> str:
-    """Exact decimal text of a fraction whose denominator is a power of two (or any exact decimal)."""
-    if value.denominator == 1:
-        return str(value.numerator)
-    places = 0
-    while (value * 10**places).denominator != 1:
-        places += 1
-    sign, digits = "-" if value < 0 else "", str(abs(int(value * 10**places))).rjust(places + 1, "0")
-    return f"{sign}{digits[:-places]}.{digits[-places:]}"
+    """Decimal text of a fraction, exact up to 28 digits."""
+    return f"{Decimal(value.numerator) / value.denominator:f}"
 
 
 def _physical(signal: Signal, raw: int) -> str:

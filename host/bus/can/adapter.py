@@ -53,8 +53,8 @@ class AdapterPort(Port):
         super().__init__()
         if interface not in INTERFACES:
             raise UserError(f"--interface {interface}: allowed {', '.join(INTERFACES)}")
-        self.name = f"{interface} {channel}"
-        self._how = (interface, channel, bitrate)
+        self.name, self.bitrate = f"{interface} {channel}", bitrate
+        self._how = (interface, channel)
         self._sending = threading.Lock()  # an emergency stop may come from another thread
         self._off_s: float | None = None
         self._reopen_s = 0.0
@@ -63,18 +63,16 @@ class AdapterPort(Port):
         self._bus: Any = self._open()
 
     def _open(self) -> Any:
-        interface, channel, bitrate = self._how
-        options: dict[str, Any] = {"interface": interface, "channel": channel, "bitrate": bitrate}
+        interface, channel = self._how
+        options: dict[str, Any] = {"interface": interface, "channel": channel, "bitrate": self.bitrate}
         if interface == "slcan":
             options["tty_baudrate"] = SERIAL_BAUD
         if interface == "gs_usb":
             options["index"] = options["channel"] = _number(channel)
         if interface == "udp_multicast":
             options["channel"] = _multicast(channel)
-        if interface != "virtual":
+        if interface not in ("virtual", "slcan"):
             options["receive_own_messages"] = False
-        if interface == "slcan":
-            del options["receive_own_messages"]
         try:
             first = _first_socket(channel) if interface == "socketcan" else None
             bus = can.Bus(**options)
@@ -84,7 +82,7 @@ class AdapterPort(Port):
             if "msgpack" in str(error):
                 how = how_to_get("msgpack")
                 raise UserError(f"udp_multicast needs msgpack, which is not installed: {how}") from error
-            hint = _HINTS[interface].format(channel, bitrate)
+            hint = _HINTS[interface].format(channel, self.bitrate)
             raise UserError(f"can't open {self.name}: {error}; {hint}") from error
 
     def send(self, identifier: int, data: bytes) -> bool:

@@ -62,10 +62,10 @@ class Cycle:
         self,
         link: JointLink,
         rate_hz: int,
-        units: Units | None = None,
-        loops: HostLoops | None = None,
-        report: Callable[[Notice], None] | None = None,
-        spring: tuple[int, int] | None = None,
+        units: Units,
+        loops: HostLoops | None,
+        report: Callable[[Notice], None] | None,
+        spring: tuple[int, int] | None,
     ) -> None:
         self.link, self.period_s, self.loops, self._spring = link, 1 / rate_hz, loops, spring
         self._kind = w.SETPOINT_IMPEDANCE_ID if spring else w.SETPOINT_POSITION_ID
@@ -80,7 +80,7 @@ class Cycle:
         self._wanted: tuple[list[float], float] | None = None
         self._let_go_s = 0.0
         self._repeats = self._e_stops = 0
-        self._word = threading.Lock()  # over letting_go and armed; nothing is sent while it is held
+        self._word = threading.Lock()  # over letting_go, armed and the goals; nothing is sent while it is held
         self._holding = False
         self._steps = [0.0] * 12
         self._left = 0
@@ -89,7 +89,8 @@ class Cycle:
     @property
     def goals_brad(self) -> list[float] | None:
         """Return the motor angles of the last set-points; None while there are none."""
-        return None if self._goals is None else list(self._goals)
+        goals = self._goals  # another thread may end them
+        return None if goals is None else list(goals)
 
     def hold(self) -> None:
         """Set the goals to where the joints are, each until it is enabled: they are armed with these goals."""
@@ -104,11 +105,12 @@ class Cycle:
         self._wanted = ([angle * BRAD_PER_RAD for angle in goals_rad], within_s)
 
     def _take_wanted(self) -> None:
-        wanted, self._wanted = self._wanted, None
-        if wanted is None or not self.armed:
-            return
-        goals, within_s = wanted
-        at = self._goals = list(goals) if self._goals is None else self._goals
+        with self._word:  # a stop of another thread ends goals and arming together
+            wanted, self._wanted = self._wanted, None
+            if wanted is None or not self.armed:
+                return
+            goals, within_s = wanted
+            at = self._goals = list(goals) if self._goals is None else self._goals
         self._left = max(1, round(within_s / self.period_s))
         self._steps = [(to - now) / self._left for to, now in zip(goals, at, strict=True)]
 
@@ -136,10 +138,10 @@ class Cycle:
         if self.armed:
             self._watch()
         self._take_wanted()
-        if self._holding:
-            self._follow()
         goals = self._goals  # another thread may end them
         if goals is not None:
+            if self._holding:
+                self._follow(goals)
             self._send_goals(goals)
         self.link.sync()
 
@@ -176,11 +178,11 @@ class Cycle:
         elif reaction == "stop":
             self.stop()
 
-    def _follow(self) -> None:
+    def _follow(self, goals: list[float]) -> None:
         for i, node in enumerate(self.link.nodes):
             view = self.link.views[node]
-            if self._goals is not None and not view.enabled:
-                self._goals[i] = float(_position(view.reply))
+            if not view.enabled:
+                goals[i] = float(_position(view.reply))
 
     def start(self) -> bool:
         """Watch the joints from now on: they are armed. False if they must let go instead."""

@@ -113,12 +113,8 @@ class Guard:
         """Return what has happened since arming; called every cycle."""
         now = self.link.port.now()
         self._count_losses()
-        found = []
-        for node in self.link.nodes:
-            notice = self._armed(self.link.views[node], now)
-            if notice is not None:
-                found.append(notice)
-        return found
+        notices = (self._armed(self.link.views[node], now) for node in self.link.nodes)
+        return [notice for notice in notices if notice is not None]
 
     def _armed(self, view: JointView, now: float) -> Notice | None:
         name, heartbeat = joint_name(view.node), view.heartbeat
@@ -137,9 +133,9 @@ class Guard:
         return None
 
     def _count_losses(self) -> None:
-        if self.link.syncs - self._window_start < LOSS_WINDOW:
-            return
         cycles = self.link.syncs - self._window_start
+        if cycles < LOSS_WINDOW:
+            return
         self._window_start = self.link.syncs
         replies = {node: self.link.views[node].replies for node in self.link.nodes}
         self._lossy = {n for n, count in replies.items() if count - self._replies[n] < (1 - LOSS_SHARE) * cycles}

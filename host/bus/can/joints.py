@@ -78,7 +78,7 @@ class CanJoints(Bus):
         robot: Robot,
         port: Port,
         session: int,
-        pose_rad: Sequence[float] | None = None,
+        pose_rad: Sequence[float] | None,
         threaded: bool = False,
         report: Callable[[Notice], None] | None = None,
     ) -> None:
@@ -93,7 +93,6 @@ class CanJoints(Bus):
         self.requests = Requests(self.link, self.cycle.run_until)
         self._tick_s = 1 / robot.control.rate_hz
         self._fraction = 1.0
-        self._full_current = [block.settings.current_max for block in self._blocks]
         self._threaded, self._over = threaded, threading.Event()
         self._thread: threading.Thread | None = None
         self._failure: Exception | None = None
@@ -219,7 +218,8 @@ class CanJoints(Bus):
     def read(self) -> Measured:
         """See Bus: what the cycle has heard."""
         self._check_thread()
-        if self._arming is not None and self._arming.done() and self.now() - self._asked_s > ABANDONED_S:
+        arming = self._arming
+        if arming is not None and arming.done() and self.now() - self._asked_s > ABANDONED_S:
             self._arming = None
             self.torque(False)
         if self._thread is None:
@@ -294,10 +294,9 @@ class CanJoints(Bus):
             raise
 
     def _write_current_limits(self) -> None:
-        for node, full in zip(self.link.nodes, self._full_current, strict=True):
-            self._still_wanted().demand(
-                node, w.COMMAND_WRITE_PARAMETER, PARAMETER_CURRENT_MAX, round(full * self._fraction)
-            )
+        for node, block in zip(self.link.nodes, self._blocks, strict=True):
+            limit = round(block.settings.current_max * self._fraction)
+            self._still_wanted().demand(node, w.COMMAND_WRITE_PARAMETER, PARAMETER_CURRENT_MAX, limit)
 
     def limit_torque(self, fraction: float) -> None:
         """See Bus; a joint takes a new current limit only while it is disarmed, so it applies from the next arming."""
@@ -306,11 +305,12 @@ class CanJoints(Bus):
     def try_torque(self) -> bool:
         """See Bus. Torque that the caller no longer waits for is taken away again."""
         self._asked_s = self.now()
-        if self._arming is None:
-            self._arming = self._soon(self._arm)
-        if not self._arming.done():
+        arming = self._arming  # another thread's stop may forget it
+        if arming is None:
+            arming = self._arming = self._soon(self._arm)
+        if not arming.done():
             return False
-        arming, self._arming = self._arming, None
+        self._arming = None
         arming.result()
         return True
 
@@ -320,11 +320,12 @@ class CanJoints(Bus):
 
     def try_clear_faults(self) -> bool:
         """See Bus."""
-        if self._clearing is None:
-            self._clearing = self._soon(self._clear)
-        if not self._clearing.done():
+        clearing = self._clearing  # as above
+        if clearing is None:
+            clearing = self._clearing = self._soon(self._clear)
+        if not clearing.done():
             return False
-        clearing, self._clearing = self._clearing, None
+        self._clearing = None
         clearing.result()
         return True
 

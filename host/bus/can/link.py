@@ -11,24 +11,8 @@ from dataclasses import dataclass, field
 from math import inf
 
 from shared.record import pack, unpack
+from shared.wire import codec
 from shared.wire import names as w
-from shared.wire.codec import (
-    Fault,
-    Heartbeat,
-    Reply,
-    ServiceRequest,
-    ServiceResponse,
-    SlowStatus,
-    Sync,
-    decode_fault,
-    decode_heartbeat,
-    decode_reply,
-    decode_service_response,
-    decode_slow_status,
-    encode_group,
-    encode_service_request,
-    encode_sync,
-)
 from shared.wire.framing import NODES, frame_block, frame_node
 
 from ...protocol.frames import kinds, new_frame
@@ -44,14 +28,13 @@ RECEIVE_S = 0.002
 
 @dataclass
 class JointView:
-    """One joint's last reports, raw, and how many were missing. ``heard_s`` is when it last sent anything."""
+    """One joint's last reports, raw, and how many were missing."""
 
     node: int
-    reply: Reply = field(default_factory=Reply)
-    status: SlowStatus = field(default_factory=SlowStatus)
-    heartbeat: Heartbeat = field(default_factory=Heartbeat)
-    fault: Fault = field(default_factory=Fault)
-    heard_s: float = -inf
+    reply: codec.Reply = field(default_factory=codec.Reply)
+    status: codec.SlowStatus = field(default_factory=codec.SlowStatus)
+    heartbeat: codec.Heartbeat = field(default_factory=codec.Heartbeat)
+    fault: codec.Fault = field(default_factory=codec.Fault)
     reply_s: float = -inf
     status_s: float = -inf
     heartbeat_s: float = -inf
@@ -96,9 +79,9 @@ class Response:
 
 
 _BLOCKS: dict[int, tuple[int, Callable[..., int]]] = {
-    w.SLOW_STATUS_ID: (w.SLOW_STATUS_LENGTH, decode_slow_status),
-    w.HEARTBEAT_ID: (w.HEARTBEAT_LENGTH, decode_heartbeat),
-    w.FAULT_ID: (w.FAULT_LENGTH, decode_fault),
+    w.SLOW_STATUS_ID: (w.SLOW_STATUS_LENGTH, codec.decode_slow_status),
+    w.HEARTBEAT_ID: (w.HEARTBEAT_LENGTH, codec.decode_heartbeat),
+    w.FAULT_ID: (w.FAULT_LENGTH, codec.decode_fault),
 }
 
 
@@ -114,13 +97,12 @@ class JointLink:
         self.floods = 0  # how often more had come than is read at once
         self._in, self._out = new_frame(), new_frame()
         self._slots = array("i", [w.NO_CHANGE] * 4)
-        self._sync = Sync()
+        self._sync = codec.Sync()
         self._sync.session = session
-        self._answer = ServiceResponse()
-        self._groups = sorted({(node - 1) // 4 for node in self.nodes})
+        self._answer = codec.ServiceResponse()
         self._counting = False
         self._sequence = 37 * session & 0xFF  # another host's last request must not look like this one's first
-        self._request = ServiceRequest()
+        self._request = codec.ServiceRequest()
 
     def alive(self) -> list[int]:
         """Return the nodes that have sent a heartbeat lately."""
@@ -132,17 +114,16 @@ class JointLink:
         if not again:
             self._sequence = (self._sequence + 1) & 0xFF
         unpack(self._request, (command, self._sequence, self.session, index, value))
-        encode_service_request(self._out.words, self._request)
+        codec.encode_service_request(self._out.words, self._request)
         self.port.send(w.SERVICE_REQUEST_ID + node, self._out.data.tobytes())
         return self._sequence
 
     def send_setpoints(self, identifier: int, values: Sequence[int]) -> None:
-        """Send one kind of set-point to all nodes of this bus: twelve raw values, NO_CHANGE for no new one."""
-        for group in self._groups:
+        """Send one kind of set-point: twelve raw values, NO_CHANGE for no new one."""
+        for group in range(GROUPS):
             for slot in range(4):
-                node = 4 * group + slot + 1
-                self._slots[slot] = values[node - 1] if node in self.nodes else w.NO_CHANGE
-            encode_group(self._out.words, self._slots)
+                self._slots[slot] = values[4 * group + slot]
+            codec.encode_group(self._out.words, self._slots)
             self.port.send(identifier + 8 * group, self._out.data.tobytes())
 
     def sync(self) -> None:
@@ -152,7 +133,7 @@ class JointLink:
             if not view.answered:
                 view.lost += 1
         self._sync.counter = self.syncs & 0xFF
-        encode_sync(self._out.words, self._sync)
+        codec.encode_sync(self._out.words, self._sync)
         self._counting = self.port.send(w.SYNC_ID, self._out.data[: w.SYNC_LENGTH].tobytes())
         self.syncs += 1
         for node in self.nodes:
@@ -190,10 +171,10 @@ class JointLink:
             self._take_response(node, len(data))
 
     def _take_reply(self, view: JointView, time_s: float, length: int) -> None:
-        if length < w.REPLY_LENGTH or decode_reply(self._in.words, view.reply):
+        if length < w.REPLY_LENGTH or codec.decode_reply(self._in.words, view.reply):
             view.bad += 1
             return
-        view.heard_s = view.reply_s = time_s
+        view.reply_s = time_s
         view.replies += 1
         if view.answered and view.lost:
             view.lost -= 1
@@ -206,12 +187,11 @@ class JointLink:
         if length < needed or decode(self._in.words, target):
             view.bad += 1
             return
-        view.heard_s = time_s
         if block == w.SLOW_STATUS_ID:
             view.status_s = time_s
         elif block == w.HEARTBEAT_ID:
             view.heartbeat_s = time_s
 
     def _take_response(self, node: int, length: int) -> None:
-        if length >= w.SERVICE_RESPONSE_LENGTH and not decode_service_response(self._in.words, self._answer):
+        if length >= w.SERVICE_RESPONSE_LENGTH and not codec.decode_service_response(self._in.words, self._answer):
             self.responses.append(Response(node, *pack(self._answer)))

@@ -17,8 +17,8 @@ from shared.wire import names
 from shared.wire.framing import NODES
 
 from ...protocol import frames
+from .port import BITRATE
 
-BITRATE = 1_000_000
 _STUFFED_OVERHEAD = 34  # SOF 1, identifier 11, RTR, IDE, r0, DLC 4, CRC 15
 _UNSTUFFED = 10 + 3  # CRC delimiter, ACK slot and delimiter, EOF 7; intermission 3
 _CRC15 = 0x4599  # ISO 11898-1: x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1
@@ -113,18 +113,6 @@ class Scheduled:
         return max(len(data) for _, data in self.samples)
 
 
-def scheduled(name: str, identifier: int, length: int, rate_hz: float) -> Scheduled:
-    """A message with only identifier and length known: its samples are 64 fixed pseudo-random payloads."""
-    state, samples = 1, []
-    for _ in range(64):
-        payload = bytearray()
-        for _ in range(length):
-            state = (state * 1103515245 + 12345) & 0x7FFFFFFF  # the C standard's example generator
-            payload.append(state >> 16 & 0xFF)
-        samples.append((identifier, bytes(payload)))
-    return Scheduled(name, rate_hz, tuple(samples))
-
-
 @dataclass(frozen=True)
 class LoadRow:
     """One line of the answer; shares are of the whole bus, 1 = full. The total has length 0 and mean bits."""
@@ -187,23 +175,14 @@ SETPOINTS = {
     "velocity": (names.SETPOINT_VELOCITY_ID, 2048),
     "current": (names.SETPOINT_CURRENT_ID, 4096),
     "impedance": (names.SETPOINT_IMPEDANCE_ID, 8192),
-    "velocity-feedforward": (names.FEEDFORWARD_VELOCITY_ID, 2048),
-    "current-feedforward": (names.FEEDFORWARD_CURRENT_ID, 4096),
-    "stiffness": (names.IMPEDANCE_STIFFNESS_ID, 8192),
-    "damping": (names.IMPEDANCE_DAMPING_ID, 2048),
 }
-
-
-def _groups(nodes: Sequence[int]) -> list[int]:
-    return sorted({(node - 1) // 4 for node in nodes})
 
 
 def _setpoint(kind: str, nodes: Sequence[int], rate_hz: float) -> Scheduled:
     base, size = SETPOINTS[kind]
-    samples: tuple[tuple[int, bytes], ...] = ()
-    for group in _groups(nodes):
-        samples += _group_cycle(base + 8 * group, group, nodes, size)
-    return Scheduled(f"set-point {kind}", rate_hz * len(_groups(nodes)), samples)
+    groups = sorted({(node - 1) // 4 for node in nodes})
+    samples = tuple(sample for group in groups for sample in _group_cycle(base + 8 * group, group, nodes, size))
+    return Scheduled(f"set-point {kind}", rate_hz * len(groups), samples)
 
 
 def _per_joint(name: str, base: int, nodes: Sequence[int], rate_hz: float, rows: list[list[int]]) -> Scheduled:
@@ -215,7 +194,6 @@ def default_schedule(
     rate_hz: float = 200.0,
     nodes: Sequence[int] = tuple(range(1, 13)),
     setpoints: Sequence[str] = ("position",),
-    status_hz: float = _STATUS_HZ,
 ) -> list[Scheduled]:
     """What the host and ``nodes`` (1 .. 12) send on one bus: SYNC, set-points and replies at ``rate_hz``, status."""
     unknown = [kind for kind in setpoints if kind not in SETPOINTS]
@@ -229,6 +207,6 @@ def default_schedule(
         sync,
         *(_setpoint(kind, nodes, rate_hz) for kind in setpoints),
         Scheduled("reply", rate_hz * len(nodes), replies),
-        _per_joint("slow status", names.SLOW_STATUS_ID, nodes, status_hz, status),
-        _per_joint("heartbeat", names.HEARTBEAT_ID, nodes, status_hz, alive),
+        _per_joint("slow status", names.SLOW_STATUS_ID, nodes, _STATUS_HZ, status),
+        _per_joint("heartbeat", names.HEARTBEAT_ID, nodes, _STATUS_HZ, alive),
     ]

@@ -35,7 +35,7 @@ class PairPort(Port):
     def __init__(self, front: Port, rear: Port) -> None:
         super().__init__()
         self.ports = (front, rear)
-        self.name = f"{front.name} and {rear.name}"
+        self.name, self.bitrate = f"{front.name} and {rear.name}", front.bitrate
         self._next = 0
 
     @property

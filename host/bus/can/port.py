@@ -5,8 +5,9 @@ Times are monotonic seconds, of the machine or of the simulation; nothing here r
 
 from abc import ABC, abstractmethod
 from dataclasses import asdict, dataclass
-from types import TracebackType
 from typing import NamedTuple, Self
+
+BITRATE = 1_000_000  # unless a robot file says otherwise
 
 
 class Received(NamedTuple):
@@ -35,6 +36,7 @@ class Port(ABC):
     """A node on a CAN bus. Use it as a context manager."""
 
     name = "abstract"
+    bitrate = BITRATE
 
     def __init__(self) -> None:
         self.counters = PortCounters()
@@ -71,5 +73,5 @@ class Port(ABC):
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()

@@ -44,23 +44,24 @@ def joint_name(node: int) -> str:
     return f"{JOINT_LABELS[node - 1]} (node {node})" if node else "board without a node"
 
 
-def refusal(response: Response) -> str:
-    """Return in words why a joint refused."""
-    return RESULTS.get(response.result, f"result {response.result}")
+def _done(name: str, answer: Response | None, remedy: str) -> Response:
+    """Return the answer of a joint or board that did what it was asked; else UserError says why not."""
+    if answer is None:
+        raise UserError(f"{name} does not answer: {remedy}", NOT_ACHIEVED)
+    if answer.result != w.RESULT_OK:
+        refusal = RESULTS.get(answer.result, f"result {answer.result}")
+        raise UserError(f"{name} refuses: {refusal}", NOT_ACHIEVED)
+    return answer
 
 
 class Requests:
-    """Asks joints; while it waits it calls ``idle``, for work that has to go on meanwhile."""
+    """Asks joints; while it waits, ``idle`` goes on with all other work until the time that it is given."""
 
-    def __init__(self, link: JointLink, idle: Callable[[float], None] | None = None) -> None:
-        self.link = link
-        self._idle = idle or self._wait
-
-    def _wait(self, time_s: float) -> None:
-        self.link.port.wait_until(time_s)
-        self.link.receive()
+    def __init__(self, link: JointLink, idle: Callable[[float], None]) -> None:
+        self.link, self._idle = link, idle
 
     def _exchange(self, node: int, command: int, index: int, value: int, anybody: bool = False) -> Response | None:
+        """Return a node's answer, or anybody's, or None if none of four tries got one."""
         link, port = self.link, self.link.port
         for attempt in range(TRIES):
             link.responses.clear()
@@ -74,18 +75,10 @@ class Requests:
                         return answer
         return None
 
-    def ask(self, node: int, command: int, index: int = 0, value: int = 0) -> Response | None:
-        """Return a node's answer, or None if none of four tries got one."""
-        return self._exchange(node, command, index, value)
-
     def demand(self, node: int, command: int, index: int = 0, value: int = 0) -> Response:
         """Return a node's answer if it did what it was asked; else UserError says why not."""
-        answer = self.ask(node, command, index, value)
-        if answer is None:
-            raise UserError(f"{joint_name(node)} does not answer: check its power and the CAN cable", NOT_ACHIEVED)
-        if answer.result != w.RESULT_OK:
-            raise UserError(f"{joint_name(node)} refuses: {refusal(answer)}", NOT_ACHIEVED)
-        return answer
+        answer = self._exchange(node, command, index, value)
+        return _done(joint_name(node), answer, "check its power and the CAN cable")
 
     def challenged(
         self, node: int, command: int = w.COMMAND_ARM, index: int = 0, low: int = w.PROTOCOL_HASH
@@ -94,23 +87,19 @@ class Requests:
         challenge = self.demand(node, w.COMMAND_READ_PARAMETER, PARAMETER_CHALLENGE).value
         return self.demand(node, command, index, challenge << 16 | low & 0xFFFF)
 
-    def to_board(self, command: int, number: int, index: int = 0) -> Response:
-        """Ask the board with a number, whatever its node: for set-id and the loader."""
+    def to_board(self, command: int, number: int, index: int) -> Response:
+        """Ask the board with a number, whatever its node: for set-id."""
         answer = self._exchange(0, command, index, number, anybody=True)
-        if answer is None:
-            raise UserError(f"board {number:#x} does not answer: caramelo joints scan lists the boards", NOT_ACHIEVED)
-        if answer.result != w.RESULT_OK:
-            raise UserError(f"board {number:#x} refuses: {refusal(answer)}", NOT_ACHIEVED)
-        return answer
+        return _done(f"board {number:#x}", answer, "caramelo joints scan lists the boards")
 
-    def discover(self, times: int = 2) -> dict[int, set[int]]:
+    def discover(self) -> dict[int, set[int]]:
         """Return the boards' numbers by node; two numbers under one node are two boards with one id.
 
-        Asks again, up to TRIES more times, while a joint that is heard has not answered: an answer may get lost.
+        Asks twice, and up to TRIES more times while a joint that is heard has not answered: an answer may get lost.
         """
         found: dict[int, set[int]] = {}
-        for turn in range(times + TRIES):
-            if turn >= times and all(node in found for node in self.link.alive()):
+        for turn in range(2 + TRIES):
+            if turn >= 2 and all(node in found for node in self.link.alive()):
                 break
             self._discover_once(found)
         return found

@@ -9,22 +9,13 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from shared.record import unpack
+from shared.wire import codec
 from shared.wire import names as w
-from shared.wire.codec import (
-    Heartbeat,
-    UpdateAnswer,
-    UpdateMissing,
-    UpdateRequest,
-    decode_heartbeat,
-    decode_update_answer,
-    decode_update_missing,
-    encode_update_request,
-)
 from shared.wire.framing import BLOCK_HEADER, BLOCK_HIGH, BLOCK_SLOT, frame_block, frame_node
 
 from ...protocol.frames import new_frame
 from ...util.errors import NOT_ACHIEVED, UserError
-from .load import BITRATE, frame_bits
+from .load import frame_bits
 from .port import Port
 
 SHARE = 0.66  # of the bus, so that it stays below 0.7 with what joints send by themselves
@@ -50,28 +41,28 @@ class Heard:
 
     node: int
     heard_s: float = float("-inf")
-    answer: UpdateAnswer | None = None  # to the last question
-    last: UpdateAnswer = field(default_factory=UpdateAnswer)  # said at all
-    heartbeat: Heartbeat | None = None
+    answer: codec.UpdateAnswer | None = None  # to the last question
+    last: codec.UpdateAnswer = field(default_factory=codec.UpdateAnswer)  # said at all
+    heartbeat: codec.Heartbeat | None = None
     missing: set[int] = field(default_factory=set)
 
 
 class UpdateBus:
     """Joints behind ``port`` during one update, which is known by ``key``, 0 .. 255."""
 
-    def __init__(self, port: Port, key: int, bitrate: int = BITRATE, share: float = SHARE) -> None:
+    def __init__(self, port: Port, key: int) -> None:
         self.port, self.key = port, key
         self.joints = {node: Heard(node) for node in range(1, 13)}
         self.bits = 0  # seen on the bus
-        self._per_s = bitrate * share
+        self._per_s = port.bitrate * SHARE
         self._free_s = port.now()
         self._in, self._out = new_frame(), new_frame()
-        self._request = UpdateRequest()
+        self._request = codec.UpdateRequest()
 
     def request(self, node: int, ask: Ask) -> None:
         """Send a request to a joint."""
         unpack(self._request, (ask.command, self.key, ask.index, ask.value & 0xFFFF, ask.value >> 16))
-        encode_update_request(self._out.words, self._request)
+        codec.encode_update_request(self._out.words, self._request)
         self._send(w.UPDATE_REQUEST_ID + node, self._out.data.tobytes())
 
     def block(self, slot: int, number: int, data: bytes, header: bool = False) -> None:
@@ -111,18 +102,18 @@ class UpdateBus:
     def _take(self, block: int, joint: Heard, length: int, time_s: float) -> None:
         words = self._in.words
         if block == w.UPDATE_ANSWER_ID and length == w.UPDATE_ANSWER_LENGTH:
-            answer = UpdateAnswer()
-            if decode_update_answer(words, answer) == 0 and answer.key == self.key:
+            answer = codec.UpdateAnswer()
+            if codec.decode_update_answer(words, answer) == 0 and answer.key == self.key:
                 joint.answer = joint.last = answer
                 joint.heard_s = time_s
         elif block == w.UPDATE_MISSING_ID and length == w.UPDATE_MISSING_LENGTH:
-            missing = UpdateMissing()
-            decode_update_missing(words, missing)
+            missing = codec.UpdateMissing()
+            codec.decode_update_missing(words, missing)
             joint.missing |= {missing.first, missing.second, missing.third}
             joint.heard_s = time_s
         elif block == w.HEARTBEAT_ID and length == w.HEARTBEAT_LENGTH:
-            heartbeat = Heartbeat()
-            decode_heartbeat(words, heartbeat)  # its layout is the same in every firmware; meanings may differ
+            heartbeat = codec.Heartbeat()
+            codec.decode_heartbeat(words, heartbeat)  # its layout is the same in every firmware; meanings may differ
             joint.heartbeat, joint.heard_s = heartbeat, time_s
 
     def slow_down(self) -> None:
@@ -136,9 +127,11 @@ class UpdateBus:
             self.port.wait_until(self.port.now() + BURST_S)
             self.listen()
 
-    def ask(self, asks: Mapping[int, Ask], wait_s: float = ANSWER_S, tries: int = TRIES) -> dict[int, UpdateAnswer]:
+    def ask(
+        self, asks: Mapping[int, Ask], wait_s: float = ANSWER_S, tries: int = TRIES
+    ) -> dict[int, codec.UpdateAnswer]:
         """Ask joints, repeating for those that do not answer; return the answers by node."""
-        found: dict[int, UpdateAnswer] = {}
+        found: dict[int, codec.UpdateAnswer] = {}
         for _ in range(tries):
             left = [node for node in asks if node not in found]
             if not left:
@@ -150,7 +143,7 @@ class UpdateBus:
         return found
 
     def _await(
-        self, asks: Mapping[int, Ask], left: Iterable[int], found: dict[int, UpdateAnswer], wait_s: float
+        self, asks: Mapping[int, Ask], left: Iterable[int], found: dict[int, codec.UpdateAnswer], wait_s: float
     ) -> None:
         end_s = self.port.now() + wait_s
         while self.port.now() < end_s and any(node not in found for node in left):
@@ -162,6 +155,6 @@ class UpdateBus:
                     found[node] = answer
 
 
-def _is_of(answer: UpdateAnswer, ask: Ask) -> bool:
+def _is_of(answer: codec.UpdateAnswer, ask: Ask) -> bool:
     """Return whether a word of a header is the wanted one."""
     return ask.command != w.UPDATE_LOOK or answer.index == ask.index

@@ -79,10 +79,9 @@ def budget(baud: int, rate_hz: int, protocol: float = 2.0, latency_ms: float = W
     slow = max(t.SLOW_BLOCK[1], t.STATE_BLOCK[1])
     goal = 1 + t.GOAL_POSITION.size
     if protocol == 1.0:
-        frame, asked, answer = 8, 3, 6
-        questions = 2 * 7 + (JOINTS + SLICE) * asked
+        frame, question, asked, answer = 8, 7, 3, 6
     else:
-        frame, asked, answer = 14, 1, 11
-        questions = 2 * 14 + (JOINTS + SLICE) * asked
+        frame, question, asked, answer = 14, 14, 1, 11
+    questions = ROUNDS * question + (JOINTS + SLICE) * asked
     answers = JOINTS * (answer + t.FAST_BLOCK[1]) + SLICE * (answer + slow)
     return Budget(baud, rate_hz, latency_ms, frame + JOINTS * goal, questions, answers)

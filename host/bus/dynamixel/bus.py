@@ -64,7 +64,6 @@ class ServoBus(Bus):
 
     def _forget(self) -> None:
         self._position, self._speed, self._load = [0.0] * JOINTS, [0.0] * JOINTS, [0.0] * JOINTS
-        self._counts = [0] * JOINTS
         self._temperature, self._voltage, self._error = [0.0] * JOINTS, [0.0] * JOINTS, [""] * JOINTS
         self._fast_s, self._slow_s = [-inf] * JOINTS, [-inf] * JOINTS
 
@@ -165,18 +164,16 @@ class ServoBus(Bus):
             self._guardian.beat(self._torque)
 
     def _take_fast(self, now_s: float) -> None:
-        answers, first = self.link.read_all(self._ids, t.FAST_BLOCK), t.FAST_BLOCK[0]
-        alerted = []
+        answers, alerted = self.link.read_all(self._ids, t.FAST_BLOCK), []
         for joint, servo in enumerate(self._ids):
             answer = answers.get(servo)
             if answer is None:
                 self.counters.per_joint_lost[joint] += 1
                 continue
             mount = self.calibration.joints[joint]
-            self._counts[joint] = t.unpack(t.PRESENT_POSITION, answer.data, first)
-            self._position[joint] = mount.angle_rad(self._counts[joint], self._per_rad[joint])
-            self._speed[joint] = t.unpack(t.PRESENT_VELOCITY, answer.data, first) * self._speed_scale[joint]
-            self._load[joint] = mount.sign * t.unpack(t.PRESENT_LOAD, answer.data, first) * t.LOAD_SHARE
+            self._position[joint] = mount.angle_rad(answer.value(t.PRESENT_POSITION), self._per_rad[joint])
+            self._speed[joint] = answer.value(t.PRESENT_VELOCITY) * self._speed_scale[joint]
+            self._load[joint] = mount.sign * answer.value(t.PRESENT_LOAD) * t.LOAD_SHARE
             self._fast_s[joint] = now_s
             if answer.alert and not self._error[joint]:
                 alerted.append(joint)
@@ -191,7 +188,7 @@ class ServoBus(Bus):
         for joint in joints:
             answer = answers.get(self._ids[joint])
             if answer is not None:
-                self._error[joint] = t.hardware_error_text(answer.data[0])
+                self._error[joint] = t.hardware_error_text(answer.value(register))
 
     def _take_slice(self, now_s: float) -> None:
         """Ask one leg: for voltage and heat in one round, for torque, errors and watchdog in the next."""
@@ -204,8 +201,8 @@ class ServoBus(Bus):
             if answer is None:
                 continue
             if block is t.SLOW_BLOCK:
-                self._voltage[joint] = t.unpack(t.PRESENT_VOLTAGE, answer.data, block[0]) * t.VOLTS
-                self._temperature[joint] = float(t.unpack(t.PRESENT_TEMPERATURE, answer.data, block[0]))
+                self._voltage[joint] = answer.value(t.PRESENT_VOLTAGE) * t.VOLTS
+                self._temperature[joint] = float(answer.value(t.PRESENT_TEMPERATURE))
                 self._slow_s[joint] = now_s
             else:
                 self._look_at_state(joint, answer)
@@ -213,16 +210,13 @@ class ServoBus(Bus):
     def _look_at_state(self, joint: int, answer: Answer) -> None:
         """Store what is wrong with a servo's state; resend a torque limit that it missed."""
 
-        def value(register: Register) -> int:
-            return t.unpack(register, answer.data, t.STATE_BLOCK[0])
-
-        error = t.hardware_error_text(value(t.HARDWARE_ERROR))
+        error = t.hardware_error_text(answer.value(t.HARDWARE_ERROR))
         if self._torque and not error:
-            if value(t.WATCHDOG) == t.WATCHDOG_TRIPPED:
+            if answer.value(t.WATCHDOG) == t.WATCHDOG_TRIPPED:
                 error = f"heard nothing for {WATCHDOG_S:g} s and stopped"
-            elif not value(t.TORQUE_ENABLE):
+            elif not answer.value(t.TORQUE_ENABLE):
                 error = "let go by itself: did it lose power?"
-            elif value(t.GOAL_PWM) != self._pwm:
+            elif answer.value(t.GOAL_PWM) != self._pwm:
                 self.link.write_all(t.GOAL_PWM, {self._ids[joint]: self._pwm})
         self._error[joint] = error
 
@@ -288,7 +282,7 @@ class ServoBus(Bus):
             self._guardian.beat(True)
         self._tell_all(t.WATCHDOG, 0)
         self._tell_all(t.GOAL_PWM, self._pwm)
-        positions = {s: t.unpack(t.PRESENT_POSITION, a.data, t.FAST_BLOCK[0]) for s, a in present.items()}
+        positions = {servo: answer.value(t.PRESENT_POSITION) for servo, answer in present.items()}
         goals = {servo: min(max(at, 0), t.COUNTS_PER_TURN - 1) for servo, at in positions.items()}
         self.link.write_all(t.GOAL_POSITION, goals)
         self._tell_all(t.TORQUE_ENABLE, 1)
@@ -296,16 +290,14 @@ class ServoBus(Bus):
 
     def _not_holding(self) -> dict[int, str]:
         """Return the joints that do not hold, and why."""
-        answers, start = self.link.read_all(self._ids, t.STATE_BLOCK), t.STATE_BLOCK[0]
-        reasons = {}
+        answers, reasons = self.link.read_all(self._ids, t.STATE_BLOCK), {}
         for joint, servo in enumerate(self._ids):
             answer = answers.get(servo)
             if answer is None:
                 reasons[joint] = SILENT
-            elif not t.unpack(t.TORQUE_ENABLE, answer.data, start):
-                error = t.hardware_error_text(t.unpack(t.HARDWARE_ERROR, answer.data, start))
-                reasons[joint] = error or "keeps its torque off"
-            elif t.unpack(t.WATCHDOG, answer.data, start) != round(WATCHDOG_S / t.WATCHDOG_TICK_S):
+            elif not answer.value(t.TORQUE_ENABLE):
+                reasons[joint] = t.hardware_error_text(answer.value(t.HARDWARE_ERROR)) or "keeps its torque off"
+            elif answer.value(t.WATCHDOG) != round(WATCHDOG_S / t.WATCHDOG_TICK_S):
                 reasons[joint] = "its bus watchdog does not run"
         return reasons
 

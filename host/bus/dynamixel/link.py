@@ -8,7 +8,7 @@ import termios
 import time
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import Any, NamedTuple
 
 import serial
 from dynamixel_sdk import BROADCAST_ID, COMM_RX_TIMEOUT, COMM_SUCCESS
@@ -18,19 +18,10 @@ from ...robot.actuators import ServoBus
 from ...robot.model import Robot
 from ...util.errors import NOT_ACHIEVED, UserError
 from ..base import Counters
+from . import table as t
 from .port import ServoPort
-from .roll_call import call_roll
-from .table import (
-    ALERT,
-    HARDWARE_ERROR,
-    STATUS_ERRORS,
-    TORQUE_ENABLE,
-    WATCHDOG,
-    Register,
-    hardware_error_text,
-    pack,
-    unpack,
-)  # fmt: skip
+from .roll_call import IDS, call_roll
+from .table import Register
 from .unstuff import packet_handler
 
 # Outside the control loop a busy machine may be late; a scan asks 253 ids, most of them in vain.
@@ -45,13 +36,16 @@ class ServoError(UserError):
         super().__init__(sentence, NOT_ACHIEVED)
 
 
-class Answer:
-    """One servo's good answer: its bytes, and whether it raises its alert flag."""
+class Answer(NamedTuple):
+    """One servo's good answer: its bytes from an address on, and whether it raises its alert flag."""
 
-    __slots__ = ("alert", "data")
+    address: int
+    data: bytes
+    alert: bool
 
-    def __init__(self, data: bytes, alert: bool) -> None:
-        self.data, self.alert = data, alert
+    def value(self, register: Register) -> int:
+        """Return a register among the bytes."""
+        return t.unpack(register, self.data, self.address)
 
 
 class Link:
@@ -77,10 +71,14 @@ class Link:
         return self.ping(servo) or self.ping(servo, patience_ms=PATIENCE_MS)
 
     def ping_all(self) -> dict[int, int]:
-        """Return the model numbers of all servos that answer a broadcast ping, by id; protocol 2.0 only.
+        """Return the model numbers of all servos that answer, by id; asks only once.
 
-        A damaged answer is missing, and two servos with the same id may look like one.
+        A damaged answer is missing, and two servos with the same id may look like one. Protocol 1.0 has no broadcast
+        ping: there each id is asked separately.
         """
+        if self.protocol == 1.0:
+            models = {servo: self.ping(servo, 1, PING_PATIENCE_MS) for servo in range(IDS)}
+            return {servo: model for servo, model in models.items() if model is not None}
         with self.patient(PATIENCE_MS):
             found: dict[int, int] = self._guard(call_roll, self.port, self.packets)
         return found
@@ -92,13 +90,13 @@ class Link:
                 args = (self.port, servo, register.address, register.size)
                 data, result, _ = self._guard(self.packets.readTxRx, *args)
                 if self._count(result) and len(data) == register.size:
-                    return unpack(register, data, register.address)
+                    return t.unpack(register, data, register.address)
                 self._drain()
         raise ServoError(f"servo id {servo} does not answer: check its cable and power")
 
     def write(self, servo: int, register: Register, value: int) -> None:
         """Write a register; ServoError if the servo does not confirm it."""
-        data, error = pack(register, value), 0
+        data, error = t.pack(register, value), 0
         with self.patient(PATIENCE_MS):
             for _ in range(RETRIES):
                 args = (self.port, servo, register.address, register.size, data)
@@ -112,10 +110,10 @@ class Link:
 
     def set_up(self, servo: int, name: str, settings: Iterable[tuple[Register, int]]) -> None:
         """Let go of a servo and write only settings that differ, as writing wears them. ServoError if it tripped."""
-        if tripped := hardware_error_text(self.read(servo, HARDWARE_ERROR)):
+        if tripped := t.hardware_error_text(self.read(servo, t.HARDWARE_ERROR)):
             raise ServoError(f"{name} has tripped: {tripped}; let it cool, then: caramelo servos reboot {servo}")
-        self.write(servo, TORQUE_ENABLE, 0)
-        self.write(servo, WATCHDOG, 0)
+        self.write(servo, t.TORQUE_ENABLE, 0)
+        self.write(servo, t.WATCHDOG, 0)
         for register, value in settings:
             if self.read(servo, register) != value:
                 self.write(servo, register, value)
@@ -125,8 +123,8 @@ class Link:
         if self.protocol == 1.0:
             # Bits 3, 4, 6: range, checksum, instruction. The others are the servo's own condition.
             return "value out of range or damaged packet" if error & 0x58 else ""
-        number = error & ~ALERT
-        return STATUS_ERRORS.get(number, f"error {number}") if number else ""
+        number = error & ~t.ALERT
+        return t.STATUS_ERRORS.get(number, f"error {number}") if number else ""
 
     def reboot(self, servo: int) -> None:
         """Restart a servo, which clears a trip."""
@@ -158,12 +156,12 @@ class Link:
         """Write a register of many servos in one packet; they do not confirm it."""
         group = GroupSyncWrite(self.port, self.packets, register.address, register.size)
         for servo, value in values.items():
-            group.addParam(servo, pack(register, value))
+            group.addParam(servo, t.pack(register, value))
         self._count_sent(self._guard(group.txPacket))
 
     def broadcast(self, register: Register, value: int) -> None:
         """Write a register of every servo; they do not confirm it."""
-        data = pack(register, value)
+        data = t.pack(register, value)
         args = (self.port, BROADCAST_ID, register.address, register.size, data)
         self._count_sent(self._guard(self.packets.writeTxOnly, *args))
 
@@ -188,11 +186,12 @@ class Link:
             self.counters.lost += len(wanted)
             return {}
         self.port.setPacketTimeout(whole * len(wanted))
-        return self._collect(wanted, length)
+        return self._collect(wanted, block)
 
-    def _collect(self, wanted: list[int], length: int) -> dict[int, Answer]:
+    def _collect(self, wanted: list[int], block: tuple[int, int]) -> dict[int, Answer]:
         """Take answers until all are there or the time is over; count and drop foreign ones."""
         counters, found = self.counters, dict[int, Answer]()
+        address, length = block
         bad = 0
         while len(found) + bad < len(wanted):
             packet, result = self._receive()
@@ -206,7 +205,7 @@ class Link:
             if servo not in wanted or servo in found or len(data) != length or self.refusal(error):
                 self._count_stray()
                 continue
-            found[servo] = Answer(data, self._alert(error))
+            found[servo] = Answer(address, data, self._alert(error))
         counters.answered += len(found)
         missing = len(wanted) - len(found) - bad
         counters.lost += missing
@@ -236,7 +235,7 @@ class Link:
 
     def _alert(self, error: int) -> bool:
         """True if the servo has a hardware error; protocol 1.0 flags voltage, heat and overload one by one."""
-        return bool(error & (0x25 if self.protocol == 1.0 else ALERT))
+        return bool(error & (0x25 if self.protocol == 1.0 else t.ALERT))
 
     def _count(self, result: int) -> bool:
         self.counters.sent += 1

@@ -29,11 +29,11 @@ class ServoPort(PortHandler):  # type: ignore[misc]
 
     is_real = True
 
-    def __init__(self, name: str, baud: int, patience_ms: float = PATIENCE_MS) -> None:
+    def __init__(self, name: str, baud: int) -> None:
         super().__init__(name)
         self.ser: serial.Serial | None = None
         self.baudrate = baud
-        self.patience_ms = patience_ms
+        self.patience_ms = PATIENCE_MS
         self._sent = 0  # bytes of the last packet
         self._expected = 0  # bytes of the awaited answer
         self._late: int | None = None  # bytes to take although the time is over; None: it is not over
@@ -128,23 +128,22 @@ def ports() -> list[str]:
     return sorted(port.device for port in list_ports.comports() if port.hwid != "n/a")
 
 
-def latency_path(port: str, pattern: str = LATENCY_TIMER) -> Path:
+def latency_path(port: str) -> Path:
     """Return the kernel's file for the latency timer of a USB adapter."""
-    return Path(pattern.format(tty=Path(port).resolve().name))
+    return Path(LATENCY_TIMER.format(tty=Path(port).resolve().name))
 
 
-def latency_ms(port: str, pattern: str = LATENCY_TIMER) -> int | None:
+def latency_ms(port: str) -> int | None:
     """Return the USB adapter's latency timer in ms, or None if it has none."""
     try:
-        return int(latency_path(port, pattern).read_text())
+        return int(latency_path(port).read_text())
     except (OSError, ValueError):
         return None
 
 
-def latency_warning(port: str, pattern: str = LATENCY_TIMER) -> str | None:
+def latency_warning(port: str) -> str | None:
     """Return what to do about an adapter that delays every answer by 16 ms, or None if all is well."""
-    waits_ms = latency_ms(port, pattern)
+    waits_ms = latency_ms(port)
     if waits_ms is None or waits_ms < SLOW_LATENCY_MS:
         return None
-    path = latency_path(port, pattern)
-    return f"{port}: the adapter delays answers by {waits_ms} ms; run: echo 1 | sudo tee {path}"
+    return f"{port}: the adapter delays answers by {waits_ms} ms; run: echo 1 | sudo tee {latency_path(port)}"

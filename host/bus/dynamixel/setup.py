@@ -18,7 +18,7 @@ from . import table as t
 from .calibration.person import Person
 from .kept import read_kept, write_kept
 from .link import Link, ServoError
-from .tools import Found, ping_all, set_baud, set_id
+from .tools import Found, set_baud, set_id
 
 FACTORY_BAUD = t.BAUDS[t.BAUD.initial]
 ALWAYS = 2  # rates that are always searched: a new servo's and the bus's
@@ -113,7 +113,7 @@ class Setup:
                     break
                 tell(at, f"at {baud} baud")
                 if link.port.setBaudRate(baud):
-                    found += [Found(number, baud, model, protocol) for number, model in ping_all(link).items()]
+                    found += [Found(number, baud, model, protocol) for number, model in link.ping_all().items()]
         return found
 
     def _suitable(self, found: Found, protocol: float) -> None:

@@ -35,23 +35,15 @@ def find(link: Link, progress: Callable[[float], None] = lambda done: None) -> l
     All are asked together, then each id separately that has not answered. If fewer than a robot has answer, they are
     asked once more.
     """
-    models = ping_all(link)
+    models = link.ping_all()
     models |= _ask_each(link, models, PING_PATIENCE_MS, progress)
     if 0 < len(models) < JOINTS:
-        models |= _ask_each(link, models, AGAIN_MS, progress) if link.protocol == 1.0 else ping_all(link)
+        models |= _ask_each(link, models, AGAIN_MS, progress) if link.protocol == 1.0 else link.ping_all()
     return [Found(number, link.port.getBaudRate(), models[number], link.protocol) for number in sorted(models)]
 
 
-def ping_all(link: Link) -> dict[int, int]:
-    """Return the models of the servos that answer, by id; quicker than ``find``, but asks only once.
-
-    Protocol 1.0 has no broadcast ping: there each id is asked separately.
-    """
-    return _ask_each(link, (), PING_PATIENCE_MS) if link.protocol == 1.0 else link.ping_all()
-
-
 def _ask_each(link: Link, known: Collection[int], patience_ms: float,
-              progress: Callable[[float], None] = lambda done: None) -> dict[int, int]:
+              progress: Callable[[float], None]) -> dict[int, int]:
     """Return the models of servos other than the known ones, which are asked one by one."""
     found = dict[int, int]()
     for number in range(IDS):

@@ -42,10 +42,10 @@ class SimulatedBench(Bench):
         self.bus = EmulatedBus(robot, self.plant, truth, protocol_of(robot))
         self._now_s = 0.0
         port = LoopbackPort(self.bus, lambda: self._now_s)
-        super().__init__(Link(port, self.bus.protocol), self._pass_time, self)
+        super().__init__(Link(port, self.bus.protocol), self._pass_time)
 
     def place(self, servo: int, joint: int, angle_rad: float) -> None:
-        """See Hands: turns the joint that the servo really drives."""
+        """See Bench: turns the joint that the servo really drives."""
         self.plant.push(self.truth.ids.index(servo), angle_rad)
 
     def nudge(self, servo: int) -> int:

@@ -65,10 +65,10 @@ def vm(tree):
     end_child(stream.process, 0.0)
 
 
-def opened(vm, patience=20):
+def opened(vm):
     """Return the sensor once the program runs: MicroPython takes a moment to load it."""
     sensor = GaitBoardImu("vm", lambda port: vm)
-    for _ in range(patience):
+    for _ in range(20):
         try:
             sensor.open()
         except ImuError:
@@ -144,18 +144,6 @@ class Board:
         self.out += bytes(data)
 
 
-def test_a_board_that_plans_by_itself_answers_between_its_ticks():
-    stream, sensor = Board(frame(link.READ, (9,)) + frame(link.READ, (10,))), FrameSensor()
-    sensor.read = lambda counts: STUCK
-    clock = type(
-        "Clock", (), {"ticks_us": lambda: 0, "ticks_add": lambda a, b: a + b, "ticks_diff": lambda a, b: a - b}
-    )
-    with pytest.raises(EOFError):
-        gait_main.run_board(core_params(ROBOT), attitude_block(ROBOT), sensor, stream, clock)
-    answers = [payload[:2] for kind, payload in FrameReader().frames(bytes(stream.out)) if kind == link.READING]
-    assert answers == [bytes((9, STUCK)), bytes((10, STUCK))]
-
-
 class Clock:
     """Each look at it takes a millisecond."""
 
@@ -171,6 +159,15 @@ class Clock:
 
     def ticks_diff(self, a, b):
         return a - b
+
+
+def test_a_board_that_plans_by_itself_answers_between_its_ticks():
+    stream, sensor = Board(frame(link.READ, (9,)) + frame(link.READ, (10,))), FrameSensor()
+    sensor.read = lambda counts: STUCK
+    with pytest.raises(EOFError):
+        gait_main.run_board(core_params(ROBOT), attitude_block(ROBOT), sensor, stream, Clock())
+    answers = [payload[:2] for kind, payload in FrameReader().frames(bytes(stream.out)) if kind == link.READING]
+    assert answers == [bytes((9, STUCK)), bytes((10, STUCK))]
 
 
 def test_a_flooded_stream_does_not_hold_up_the_ticks():

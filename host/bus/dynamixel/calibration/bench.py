@@ -1,7 +1,6 @@
 """Moves single servos gently while nothing is known about them: little torque, small slow steps, then lets go."""
 
 from collections.abc import Callable
-from typing import Protocol
 
 from .. import table as t
 from ..bus import WATCHDOG_S
@@ -15,19 +14,15 @@ SETTLE_S = 0.2
 MOVED_COUNTS = NUDGE_COUNTS // 2
 
 
-class Hands(Protocol):
-    """Turns joints in place of a person's hand, in the simulation."""
-
-    def place(self, servo: int, joint: int, angle_rad: float) -> None:
-        """Turn the servo's link, which the person says is ``joint``, to an angle of that joint."""
-
-
 class Bench:
     """The servos of a robot on a stand. ``wait`` lets time pass."""
 
-    def __init__(self, link: Link, wait: Callable[[float], None], hands: Hands | None = None) -> None:
-        self.link, self._wait, self.hands = link, wait, hands
+    def __init__(self, link: Link, wait: Callable[[float], None]) -> None:
+        self.link, self._wait = link, wait
         self._goals: dict[int, int] = {}
+
+    def place(self, servo: int, joint: int, angle_rad: float) -> None:
+        """In a simulation turn the servo's link, which the person says is ``joint``, in place of the person's hand."""
 
     def position(self, servo: int) -> int:
         """Return a servo's position in counts."""

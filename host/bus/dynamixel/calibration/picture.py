@@ -47,7 +47,7 @@ def picture(robot: Robot, joint: int) -> str:
     seen = "from behind" if from_behind else "from the robot's left side"
     lines = ["".join(row).rstrip() for row in canvas]
     title = f"{LEG_NAMES[leg]} {JOINT_NAMES[kind]}, seen {seen}: # at rest, + with a larger angle"
-    return "\n".join([title, *lines, f"a larger angle moves the foot {words(robot, joint)}"])
+    return "\n".join([title, *lines, f"a larger angle moves the foot {words(joint)}"])
 
 
 def _draw(canvas: list[list[str]], points: list[Point], scale: float, mark: str) -> None:
@@ -63,7 +63,7 @@ def _draw(canvas: list[list[str]], points: list[Point], scale: float, mark: str)
         canvas[row][column] = "O" if mark == "#" else "@"
 
 
-def words(robot: Robot, joint: int) -> str:
+def words(joint: int) -> str:
     """Return where the foot goes when the angle grows."""
     return "to the robot's LEFT" if joint % 3 == 0 else "to the REAR"
 

@@ -70,29 +70,29 @@ class Procedure:
         """Calibrate one servo."""
         person = self.person
         person.say(f"\nServo {servo}. It now moves a little, with little force: watch the robot.")
-        joint, direction = self.which_joint(servo)
+        joint = self.which_joint(servo)
         label = JOINT_LABELS[joint]
         person.say(f"\n{picture(self.robot, joint)}")
-        sign = self.which_way(servo, label, words(self.robot, joint), direction)
+        sign = self.which_way(servo, label, words(joint))
         zero = self.where_is_zero(servo, joint, sign)
         self.done[joint] = self.limits(servo, joint, sign, zero)
         person.say(f"{label}: id {servo}, sign {sign:+d}, zero {zero}")
 
-    def which_joint(self, servo: int) -> tuple[int, int]:
-        """Return the joint that the servo moves, and which way it moved last."""
+    def which_joint(self, servo: int) -> int:
+        """Return the joint that the servo moves."""
         key = f"servo {servo} joint"
-        direction = self.bench.nudge(servo)
+        self.bench.nudge(servo)
         while True:
             answer = self.person.ask(key, "Which joint moved? (again: move once more)", [*JOINT_LABELS, "again"])
             if answer == "again":
-                direction = self.bench.nudge(servo)
+                self.bench.nudge(servo)
                 continue
             joint = JOINT_LABELS.index(answer)
             if joint not in self.done:
-                return joint, direction
+                return joint
             self.person.refuse(key, f"{answer} already has servo {self.done[joint].id}")
 
-    def which_way(self, servo: int, label: str, larger: str, direction: int) -> int:
+    def which_way(self, servo: int, label: str, larger: str) -> int:
         """Return the sign: +1 if more counts are a larger angle."""
         while True:
             self.person.say(f"{label} moves once more. In the picture + moves the foot {larger}.")
@@ -110,8 +110,7 @@ class Procedure:
 
     def placed(self, servo: int, joint: int, angle_rad: float, what: str, question: str) -> int:
         """Ask for a joint to be turned by hand, and return the servo's position then."""
-        if self.bench.hands is not None:
-            self.bench.hands.place(servo, joint, angle_rad)
+        self.bench.place(servo, joint, angle_rad)
         self.person.ask(f"servo {servo} {what}", question, [])
         return self.bench.position(servo)
 

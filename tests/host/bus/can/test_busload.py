@@ -65,11 +65,8 @@ def test_twelve_joints_at_200_hz_take_at_most_40_percent():
     assert total.frames_per_s == 200 * (1 + 3 + 12) + 12 * 10
     assert all(row.typical_bits <= row.worst_bits for row in rows)
     assert sum(1e-6 * 200 * n * bits for n, bits in ((1, 75), (3, 135), (12, 115))) < total.worst_share
-
-
-def test_two_buses_at_400_hz_hold_half_the_joints_each():
-    for nodes in (range(1, 7), range(7, 13)):
-        assert busload.busload(busload.default_schedule(400, nodes))[-1].worst_share <= 0.45
+    slower = busload.busload(busload.default_schedule(), busload.BITRATE // 2)[-1]
+    assert slower.worst_share == pytest.approx(2 * total.worst_share)
 
 
 def test_typical_equals_what_the_samples_take_when_sent():
@@ -91,9 +88,3 @@ def test_unknown_set_points_and_nodes_are_refused():
     for arguments in ({"setpoints": ("torque",)}, {"nodes": (13,)}, {"nodes": ()}):
         with pytest.raises(ValueError, match="allowed position"):
             busload.default_schedule(**arguments)
-
-
-def test_messages_of_which_only_the_length_is_known():
-    row = busload.busload([busload.scheduled("logger", 0x123, 8, 100.0)], 500_000)[0]
-    assert row.worst_share == pytest.approx(100 * 135 / 500_000)
-    assert 111 <= row.typical_bits < 135

@@ -10,7 +10,7 @@ from host.bus.can.pair import bus_of, buses_for
 from host.cli import main
 from host.lab.joints import compare as comparing
 from host.lab.joints.compare import CASES, compare, least_lag
-from host.robot.file import load_robot
+from host.robot.file import find, load_robot
 from host.util.errors import UserError
 from shared.wire import names as w
 
@@ -38,17 +38,11 @@ def test_current_mode_holds_the_robot_at_400_hz_on_two_buses():
 
 
 def test_current_mode_at_200_hz_is_refused_by_the_robot_file(tmp_path):
-    text = (load_text()).replace('loops = "impedance"', 'loops = "host-current"')
+    text = find("parallel").read_text().replace('loops = "impedance"', 'loops = "host-current"')
     path = tmp_path / "slow.toml"
     path.write_text(text)
     with pytest.raises(UserError, match=r"bus\.rate_hz: value 200: allowed: at least 400 with host-current"):
         load_robot(str(path))
-
-
-def load_text():
-    from host.robot.file import find
-
-    return find("parallel").read_text()
 
 
 def test_the_lag_between_two_curves_is_found():
@@ -69,8 +63,7 @@ def test_the_command_prints_a_walk_of_each_case(capsys, monkeypatch):
 
 def test_two_buses_carry_400_hz_as_busload_says():
     """Each bus within 1 % of the frames really sent on it."""
-    walker = Walker(channel="can0,can1", rate_hz=400)
-    try:
+    with Walker(channel="can0,can1", rate_hz=400) as walker:
         walker.arm()
         walker.stand_up()
         before = [(bus.bits, bus.now_us) for bus in walker.sim.buses]
@@ -82,8 +75,6 @@ def test_two_buses_carry_400_hz_as_busload_says():
             total = busload(default_schedule(400, nodes))[-1]
             assert share == pytest.approx(total.typical_share, rel=0.01)
             assert total.worst_share <= 0.45
-    finally:
-        walker.close()
 
 
 def test_frames_go_to_the_bus_of_their_joints():
@@ -95,8 +86,7 @@ def test_frames_go_to_the_bus_of_their_joints():
 
 @pytest.mark.parametrize("node", [2, 11])
 def test_an_emergency_stop_on_one_bus_reaches_the_other_within_20_ms(node):
-    walker = Walker(channel="can0,can1", rate_hz=400)
-    try:
+    with Walker(channel="can0,can1", rate_hz=400) as walker:
         walker.arm()
         walker.go(0.2, mode="stand")
         assert not walker.sim.torque_free
@@ -105,5 +95,3 @@ def test_an_emergency_stop_on_one_bus_reaches_the_other_within_20_ms(node):
             walker.bus.run_for(0.001)
         assert walker.sim.torque_free
         assert [notice.what for notice in walker.notices] == ["e-stop"]
-    finally:
-        walker.close()

@@ -6,7 +6,6 @@ import threading
 import pytest
 
 from host.bus.can.adapter import AdapterPort
-from host.cli import main
 from host.protocol.dbc import parse
 from host.robot.file import load_robot
 from host.sim.joints.gateway import Gateway
@@ -16,67 +15,73 @@ from shared.wire.names import HEARTBEAT_ID, PROTOCOL_HASH
 from tests.waiting import PATIENCE_S
 
 
-def run(capsys, *words):
-    code = main(["joints", *words])
-    out = capsys.readouterr()
-    return code, out.out, out.err
+@pytest.fixture
+def joints(run):
+    """Run one of the commands; return exit code, stdout, stderr."""
+    return lambda *words: run("joints", *words)
 
 
-def test_scan_lists_twelve_boards(capsys):
-    code, out, _ = run(capsys, "scan", "--sim", "--json")
+def test_scan_lists_twelve_boards(joints):
+    code, out, _ = joints("scan", "--sim", "--json")
     found = json.loads(out)
     assert code == 0
     assert [board["node"] for board in found["boards"]] == list(range(1, 13))
     assert found["wrong"] == []
 
 
-def test_status_shows_every_joint(capsys):
-    code, out, _ = run(capsys, "status", "--sim")
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("status", ("FR thigh (2)", "disabled")),
+        ("arm --seconds 0.3", ("disarmed",)),
+        ("disarm", ()),
+        ("clear", ()),
+        ("set-id 0x27b2d3d6 1", ()),
+        ("params set 5 gear_q8 21.5", ("raw 5504",)),
+        ("params diff 5", ("has_joint_encoder",)),
+        ("params save 3", ()),
+        ("params restore 3", ()),
+    ],
+)
+def test_what_is_done_is_said(joints, words, said):
+    code, out, _ = joints(*words.split(), "--sim")
     assert code == 0
-    assert "FR thigh (2)" in out
-    assert "disabled" in out
+    assert [sentence for sentence in said if sentence not in out] == []
 
 
-def test_arm_holds_and_disarms(capsys):
-    code, out, _ = run(capsys, "arm", "--sim", "--seconds", "0.3")
-    assert code == 0
-    assert "disarmed" in out
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        ("set-id 0x27b2d3d6 5 --sim", "node 5 is taken"),
+        ("params set 5 gear_q8 900 --sim", "gear_q8: 900: allowed 1 to 63"),
+        ("params get 5 nonsense --sim", "no such parameter"),
+        ("monitor --sim --plot smell", "--plot smell: allowed"),
+        ("sim --robot caramelo --seconds 0.1", "no joints on CAN"),
+    ],
+)
+def test_what_is_refused_is_said(joints, words, said):
+    code, _, err = joints(*words.split())
+    assert code == 2
+    assert said in err
 
 
-def test_parameters_are_read_and_refused_in_words(capsys):
-    code, out, _ = run(capsys, "params", "get", "5", "node_id", "gear_q8", "--sim", "--json")
+def test_parameters_are_read_in_their_units(joints):
+    code, out, _ = joints("params", "get", "5", "node_id", "gear_q8", "--sim", "--json")
     assert code == 0
     assert json.loads(out)["parameters"] == {"node_id": 5.0, "gear_q8": 22.0}
-    code, _, err = run(capsys, "params", "set", "5", "gear_q8", "900", "--sim")
-    assert code == 2
-    assert "gear_q8: 900: allowed 1 to 63" in err
-    code, _, err = run(capsys, "params", "get", "5", "nonsense", "--sim")
-    assert code == 2
-    assert "no such parameter" in err
-    code, out, _ = run(capsys, "params", "set", "5", "gear_q8", "21.5", "--sim")
-    assert code == 0
-    assert "raw 5504" in out
-    code, out, _ = run(capsys, "params", "diff", "5", "--sim")
-    assert code == 0
-    assert "has_joint_encoder" in out
 
 
-@pytest.mark.parametrize("command", [["save", "3"], ["restore", "3"]])
-def test_parameters_are_kept_and_restored(capsys, command):
-    assert run(capsys, "params", *command, "--sim")[0] == 0
-
-
-def test_parameters_go_to_a_file_and_back(capsys, tmp_path):
+def test_parameters_go_to_a_file_and_back(joints, tmp_path):
     path = tmp_path / "joint5.json"
-    code, out, _ = run(capsys, "params", "save", "5", "--file", str(path), "--sim")
+    code, out, _ = joints("params", "save", "5", "--file", str(path), "--sim")
     assert code == 0
     values = json.loads(path.read_text())
     assert values["parameters"]["has_joint_encoder"] == 0
     assert "node_id" not in values["parameters"]
-    code, out, _ = run(capsys, "params", "diff", "6", "--file", str(path), "--sim", "--json")
+    code, out, _ = joints("params", "diff", "6", "--file", str(path), "--sim", "--json")
     different = {row["parameter"]: (row["raw"], row["wanted"]) for row in json.loads(out)["different"]}
     assert different["has_joint_encoder"] == (1, 0)
-    code, out, _ = run(capsys, "params", "restore", "6", "--file", str(path), "--sim")
+    code, out, _ = joints("params", "restore", "6", "--file", str(path), "--sim")
     assert code == 0
     assert f"{len(different)} changed" in " ".join(out.split())
 
@@ -90,59 +95,46 @@ def test_parameters_go_to_a_file_and_back(capsys, tmp_path):
         ('{"protocol": "HASH", "parameters": {"gear_q8": 1}}', "gear_q8: 0.00390625: allowed 1 to"),
     ],
 )
-def test_a_parameter_file_that_is_wrong_is_named(capsys, tmp_path, text, words):
+def test_a_parameter_file_that_is_wrong_is_named(joints, tmp_path, text, words):
     path = tmp_path / "wrong.json"
     path.write_text(text.replace("HASH", f"{PROTOCOL_HASH:#06x}"))
-    code, _, err = run(capsys, "params", "restore", "6", "--file", str(path), "--sim")
+    code, _, err = joints("params", "restore", "6", "--file", str(path), "--sim")
     assert code == 2
     assert words in err
 
 
-def test_busload_prints_the_schedule(capsys):
-    code, out, _ = run(capsys, "busload", "--json")
+def test_busload_prints_the_schedule(joints):
+    code, out, _ = joints("busload", "--json")
     total = json.loads(out)["buses"][0]["rows"][-1]
     assert code == 0
     assert total["worst_share"] <= 0.40
-    assert run(capsys, "busload", "--rate", "400")[0] == 1
-    code, out, _ = run(capsys, "busload", "--rate", "400", "--buses", "2")
+    assert joints("busload", "--rate", "400")[0] == 1
+    code, out, _ = joints("busload", "--rate", "400", "--buses", "2")
     assert code == 0
     assert [out.count(words) for words in ("nodes 1 to 6, 400 Hz", "nodes 7 to 12, 400 Hz", "total")] == [1, 1, 2]
 
 
-def test_dbc_is_written_whole_to_the_terminal_or_a_file(capsys, tmp_path):
-    code, out, _ = run(capsys, "dbc")
+def test_dbc_is_written_whole_to_the_terminal_or_a_file(joints, tmp_path):
+    code, out, _ = joints("dbc")
     assert code == 0
     assert {m.name for m in parse(out)} > {"heartbeat_FR_hip", "setpoint_position_2", "e_stop"}
     path = tmp_path / "joints.dbc"
-    assert json.loads(run(capsys, "dbc", "--out", str(path), "--json")[1])["bytes"] == len(out)
+    assert json.loads(joints("dbc", "--out", str(path), "--json")[1])["bytes"] == len(out)
     assert path.read_text() == out
-    assert run(capsys, "dbc", "--json")[0] == 2
+    assert joints("dbc", "--json")[0] == 2
 
 
-def test_set_id_refuses_a_node_that_is_taken(capsys):
-    code, _, err = run(capsys, "set-id", "0x27b2d3d6", "5", "--sim")
-    assert code == 2
-    assert "node 5 is taken" in err
-    assert run(capsys, "set-id", "0x27b2d3d6", "1", "--sim")[0] == 0
-
-
-def test_monitor_records(capsys, tmp_path):
+def test_monitor_records(joints, tmp_path):
     path = tmp_path / "joints.jsonl"
-    assert run(capsys, "monitor", "--sim", "--seconds", "0.3", "--out", str(path))[0] == 0
-    assert run(capsys, "monitor", "--sim", "--plot", "smell")[0] == 2
+    assert joints("monitor", "--sim", "--seconds", "0.3", "--out", str(path))[0] == 0
     lines = [json.loads(line) for line in path.read_text().splitlines()]
     assert len(lines) >= 3
     assert len(lines[0]["joints"]) == 12
     before = path.read_bytes()
-    code, _, err = run(capsys, "monitor", "--sim", "--seconds", "0.3", "--out", str(path))
+    code, _, err = joints("monitor", "--sim", "--seconds", "0.3", "--out", str(path))
     assert (code, err.count("\n")) == (2, 1)
     assert "the file exists: name another" in err
     assert path.read_bytes() == before, "a record is never overwritten"
-
-
-def test_disarm_and_clear(capsys):
-    assert run(capsys, "disarm", "--sim")[0] == 0
-    assert run(capsys, "clear", "--sim")[0] == 0
 
 
 @pytest.fixture
@@ -153,14 +145,14 @@ def shared_bus():
     sim.close()
 
 
-def test_joints_behind_a_bus_answer_as_real_ones_and_faults_are_told(capsys, shared_bus):
+def test_joints_behind_a_bus_answer_as_real_ones_and_faults_are_told(joints, shared_bus):
     shared_bus.inject("under-voltage:4@0.01")
     shared_bus.inject("e-stop:6@0.02")
     thread = threading.Thread(target=shared_bus.run, args=(10.0,), daemon=True)
     thread.start()
     stopped, volts = set(), {}
     while thread.is_alive() and not (len(stopped) == 12 and 3 in volts):
-        code, out, _ = run(capsys, "status", "--interface", "virtual", "--channel", "caramelo-gateway", "--json")
+        code, out, _ = joints("status", "--interface", "virtual", "--channel", "caramelo-gateway", "--json")
         rows = json.loads(out)["joints"]
         stopped |= {i for i, row in enumerate(rows) if "emergency" in row["fault"] or i in (3, 5)}
         volts |= {i: row["bus_V"] for i, row in enumerate(rows) if row.get("bus_V")}
@@ -171,7 +163,7 @@ def test_joints_behind_a_bus_answer_as_real_ones_and_faults_are_told(capsys, sha
     assert volts[3] == pytest.approx(12.0, abs=0.3)
 
 
-def test_two_buses_are_simulated_with_their_faults(capsys):
+def test_two_buses_are_simulated_with_their_faults(joints):
     """The rear legs' joint on the second bus gets hot; a machine that is too slow only says so."""
     words = ("--interface", "virtual", "--channel", "caramelo-front,caramelo-rear", "--fault", "hot:9@0.01")
     heard = []
@@ -179,16 +171,13 @@ def test_two_buses_are_simulated_with_their_faults(capsys):
         AdapterPort("virtual", "caramelo-rear", 1_000_000) as rear,
         AdapterPort("virtual", "caramelo-front", 1_000_000) as front,
     ):
-        assert run(capsys, "sim", *words, "--seconds", "0.5")[0] == 0
+        assert joints("sim", *words, "--seconds", "0.5")[0] == 0
         for port in (front, rear):
             heard.append(set())
             while (frame := port.receive()) is not None:
                 heard[-1].add(frame.identifier)
     heartbeats = [{node for node in range(1, 13) if HEARTBEAT_ID + node in identifiers} for identifiers in heard]
     assert heartbeats == [set(range(1, 7)), set(range(7, 13))]
-    code, _, err = run(capsys, "sim", "--robot", "caramelo", "--seconds", "0.1")
-    assert code == 2
-    assert "no joints on CAN" in err
 
 
 @pytest.mark.parametrize("fault", ["melt:3@1", "e-stop:13@1", "e-stop", "power-off:2@-1"])

@@ -20,7 +20,7 @@ from shared.wire import names as w
 from shared.wire.codec import Heartbeat
 from tests.host.control.rig import AHEAD, SCRIPT, STAND, STILL, Silence
 
-from .robot import SESSION, Walker, variant
+from .robot import SESSION, variant
 
 
 class Rig:
@@ -74,13 +74,6 @@ def rig():
         yield rig
 
 
-@pytest.fixture
-def seated():
-    walker = Walker()
-    yield walker
-    walker.close()
-
-
 def forge_heartbeats(sim, node, field, value):
     """Change one field of every heartbeat that a joint sends."""
     joint, send = sim.joints[node - 1], sim.nodes[node - 1].send
@@ -102,92 +95,74 @@ def add_twin(sim, node):
     end = sim.bus.attach(lambda time_us, identifier, data: twin.deliver(identifier, data))
     twin.send, twin.room = end.send, end.room
     sim.each_ms.append(lambda ms: twin.tick(ms * 1000, sim.body.angle_rad[node - 1]))
-    return twin
 
 
-def refused(walker, words):
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (lambda sim: power_off(sim, [9]), r"RR calf \(node 9\) is not there: check its power"),
+        (lambda sim: forge_heartbeats(sim, 4, "protocol_hash", 0x1234),
+         r"FL hip \(node 4\) speaks protocol 0x1234, this host .*: run caramelo flash --can"),
+        (lambda sim: forge_heartbeats(sim, 7, "build", 9),
+         r"different firmware: .*build 000009 on nodes 7; caramelo flash --can --all gives all the same"),
+        (lambda sim: add_twin(sim, 5), r"FL thigh \(node 5\)"),
+    ],
+    ids=["missing", "protocol", "build", "twin"],
+)  # fmt: skip
+def test_what_keeps_the_robot_from_being_armed(seated, spoil, words):
+    spoil(seated.sim)
     with pytest.raises(UserError, match=words):
-        walker.bus.open()
-    assert walker.sim.torque_free
+        seated.bus.open()
+    assert seated.sim.torque_free
 
 
-def test_a_missing_joint_keeps_the_robot_from_being_armed(seated):
-    power_off(seated.sim, [9])
-    refused(seated, r"RR calf \(node 9\) is not there: check its power")
-
-
-def test_another_protocol_keeps_the_robot_from_being_armed(seated):
-    forge_heartbeats(seated.sim, 4, "protocol_hash", 0x1234)
-    refused(seated, r"FL hip \(node 4\) speaks protocol 0x1234, this host .*: run caramelo flash --can")
-
-
-def test_mixed_firmware_keeps_the_robot_from_being_armed(seated):
-    forge_heartbeats(seated.sim, 7, "build", 9)
-    refused(seated, r"different firmware: .*build 000009 on nodes 7; caramelo flash --can --all gives all the same")
-
-
-def test_two_boards_with_one_node_keep_the_robot_from_being_armed(seated):
-    twin = add_twin(seated.sim, 5)
-    refused(seated, r"FL thigh \(node 5\)")
-    twin.close()
-
-
-def held(walker):
-    """Arm, and have the legs hold the robot."""
-    walker.arm()
-    walker.go(0.3, mode="stand")
-    assert not walker.sim.torque_free
-    return walker
-
-
-def damped(walker, what, node):
+@pytest.mark.parametrize(
+    ("spoil", "seconds", "what", "node"),
+    [
+        (lambda sim: add_twin(sim, 5), 0.5, "duplicate", 5),
+        (lambda sim: sim.joints[7].power_cycle(), 0.3, "reset", 8),
+    ],
+    ids=["twin", "reset"],
+)
+def test_what_makes_all_joints_damp_that_hold_the_robot(seated, spoil, seconds, what, node):
     """The joint is named, all joints brake and then let go, and stay so."""
-    assert what in {notice.what for notice in walker.notices}
-    assert {notice.node for notice in walker.notices} == {node}
-    assert walker.bus.cycle.reaction == "damp"
-    assert not walker.bus.cycle.armed
-    walker.bus.run_for(1.0)
-    assert walker.sim.torque_free
-
-
-def test_a_twin_that_appears_while_armed_makes_all_damp(seated):
-    held(seated)
-    twin = add_twin(seated.sim, 5)
-    seated.go(0.5, mode="stand")
-    damped(seated, "duplicate", 5)
-    twin.close()
-
-
-def test_a_joint_that_resets_makes_all_damp(seated):
-    held(seated)
-    seated.sim.joints[7].power_cycle()
+    seated.arm()
     seated.go(0.3, mode="stand")
-    damped(seated, "reset", 8)
+    assert not seated.sim.torque_free
+    spoil(seated.sim)
+    seated.go(seconds, mode="stand")
+    assert what in {notice.what for notice in seated.notices}
+    assert {notice.node for notice in seated.notices} == {node}
+    assert seated.bus.cycle.reaction == "damp"
+    assert not seated.bus.cycle.armed
+    seated.bus.run_for(1.0)
+    assert seated.sim.torque_free
 
 
-def sat_down(rig):
-    """The robot has sat down by itself, and then let go."""
+def heat(sim):
+    sim.joints[2].set_winding(90.0)
+
+
+def lose_frames(sim):
+    sim.nodes[10].loss = 0.25
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (heat, "FR calf (node 3) is hot"),
+        (lose_frames, "RL thigh (node 11): more than a tenth of its replies is lost"),
+    ],
+)
+def test_what_makes_the_robot_sit_down_and_then_let_go(rig, spoil, words):
+    rig.stand()
+    spoil(rig.sim)
+    rig.run_until(lambda: rig.supervisor.safety.action == "sit", AHEAD)
+    assert words in rig.supervisor.safety.sentence
     rig.run_until(lambda: rig.sim.torque_free, AHEAD)
     assert rig.sim.body.height_m < 0.17  # sitting is 0.13 m, standing 0.25 m
     assert "sitting" in [change.state for change in rig.supervisor.changes] or rig.supervisor.safety.action == "sit"
     assert rig.bus.cycle.reaction == "sit"  # never damped: it went down on its own legs
-
-
-def test_a_hot_joint_makes_the_robot_sit_down(rig):
-    rig.stand()
-    rig.sim.joints[2].set_winding(90.0)
-    rig.run_until(lambda: rig.supervisor.safety.action == "sit", AHEAD)
-    assert "FR calf" in rig.supervisor.safety.sentence
-    assert "hot" in rig.supervisor.safety.sentence
-    sat_down(rig)
-
-
-def test_lost_frames_make_the_robot_sit_down(rig):
-    rig.stand()
-    rig.sim.nodes[10].loss = 0.25
-    rig.run_until(lambda: rig.supervisor.safety.action == "sit", AHEAD)
-    assert "RL thigh (node 11): more than a tenth of its replies is lost" in rig.supervisor.safety.sentence
-    sat_down(rig)
 
 
 def test_a_silent_joint_makes_all_damp_and_the_driver_is_told(rig):

@@ -4,15 +4,12 @@ import pytest
 
 from shared.wire import names as w
 
-from .robot import Walker
-
 
 @pytest.fixture
-def seated():
-    walker = Walker()
-    walker.bus.listen()
-    yield walker
-    walker.close()
+def heard(seated):
+    """A robot whose joints have been heard."""
+    seated.bus.listen()
+    return seated
 
 
 def lose_answers(walker, node, count):
@@ -29,16 +26,16 @@ def lose_answers(walker, node, count):
     joint.send = lossy
 
 
-def test_a_board_whose_answers_got_lost_is_asked_again(seated):
-    lose_answers(seated, 5, 2)
-    assert set(seated.bus.requests.discover()) == set(range(1, 13))
+def test_a_board_whose_answers_got_lost_is_asked_again(heard):
+    lose_answers(heard, 5, 2)
+    assert set(heard.bus.requests.discover()) == set(range(1, 13))
 
 
-def test_a_board_that_is_there_and_never_answers_is_named(seated):
-    lose_answers(seated, 5, 1000)
-    boards = seated.bus.requests.discover()
+def test_a_board_that_is_there_and_never_answers_is_named(heard):
+    lose_answers(heard, 5, 1000)
+    boards = heard.bus.requests.discover()
     assert set(boards) == {*range(1, 13)} - {5}
-    wrong = seated.bus.cycle.guard.before_arming(boards)
+    wrong = heard.bus.cycle.guard.before_arming(boards)
     assert [(notice.node, notice.what) for notice in wrong] == [(5, "mute")]
     assert "FL thigh (node 5) is there but did not report its board's number" in wrong[0].sentence
 

@@ -1,11 +1,13 @@
 """A stop on CAN: goes before all that waits, is repeated until every joint says so, and nothing holds it up."""
 
 import threading
+from concurrent.futures import Future
 from itertools import count
 
 import can
 import pytest
 
+from host.bus.can import cycle
 from host.bus.can.adapter import AdapterPort
 from host.bus.can.joints import OVERTAKEN
 from host.bus.can.link import RECEIVE_MOST, RECEIVE_S, JointLink
@@ -16,19 +18,18 @@ from shared.wire import names as w
 from tests.host.control.rig import RESET, SCRIPT, STOP, Silence
 from tests.waiting import PATIENCE_S
 
-from .robot import SESSION, Walker
+from .robot import SESSION
 from .test_reactions import opened
 
 SLOWEST_ID = 0x7FF
 
 
-@pytest.fixture
-def standing():
-    walker = Walker()
-    walker.arm()
-    walker.stand_up()
-    yield walker
-    walker.close()
+def in_time(work):
+    """Do some work in a thread; it must come to its end."""
+    thread = threading.Thread(target=work, daemon=True)
+    thread.start()
+    thread.join(PATIENCE_S)
+    assert not thread.is_alive()
 
 
 def test_a_stop_finds_room_in_a_full_send_buffer(standing):
@@ -98,9 +99,7 @@ def test_no_message_waits_for_the_bus_and_a_stop_ends_what_others_began():
                 rig.loop.receive(SCRIPT, STOP)
                 done.append(next(iter(rig.bus.port.node.waiting)))
 
-        thread = threading.Thread(target=drive, daemon=True)
-        thread.start()
-        thread.join(PATIENCE_S)
+        in_time(drive)
         assert done == [(w.E_STOP_ID, b"")]
         rig.bus.run_for(0.5)
         assert rig.sim.torque_free
@@ -119,6 +118,37 @@ def test_work_that_a_stop_overtakes_arms_nothing():
             arming.result(PATIENCE_S)
         assert rig.sim.torque_free
         assert not rig.bus.cycle.armed
+
+
+def test_a_stop_while_the_cycle_looks_where_the_joints_are_does_not_end_it(monkeypatch):
+    """It ends the goals, from another thread and so between any two lines."""
+    with opened() as rig:
+        rig.bus.cycle.hold()
+        monkeypatch.setattr(cycle, "_position", lambda reply: rig.bus.emergency_stop() or 0)
+        rig.bus.cycle.step()
+        assert rig.bus.cycle.letting_go == "stop"
+        assert rig.bus.cycle.goals_brad is None
+
+
+class Stopped(Future):
+    """Work that another thread's emergency stop overtakes while somebody looks whether it is done."""
+
+    def __init__(self, bus):
+        super().__init__()
+        self._bus = bus
+        self.set_exception(UserError(OVERTAKEN))
+
+    def done(self):
+        self._bus.emergency_stop()
+        return super().done()
+
+
+@pytest.mark.parametrize("ask", ["try_torque", "try_clear_faults"])
+def test_a_stop_while_a_loop_looks_whether_its_work_is_done_is_told(monkeypatch, ask):
+    with opened() as rig:
+        monkeypatch.setattr(rig.bus, "_soon", lambda do: Stopped(rig.bus))
+        with pytest.raises(UserError, match=OVERTAKEN):
+            getattr(rig.bus, ask)()
 
 
 class Flood(Port):
@@ -144,10 +174,7 @@ class Flood(Port):
 @pytest.mark.parametrize("frame_s", [0.0, RECEIVE_S / 10])
 def test_reading_ends_though_frames_keep_coming(frame_s):
     link = JointLink(Flood(frame_s), SESSION)
-    reading = threading.Thread(target=link.receive, daemon=True)
-    reading.start()
-    reading.join(PATIENCE_S)
-    assert not reading.is_alive()
+    in_time(link.receive)
     assert link.floods == 1
     assert 0 < sum(view.replies for view in link.views.values()) <= (20 if frame_s else RECEIVE_MOST)
 
@@ -156,10 +183,7 @@ def test_looking_for_a_frame_of_ours_ends_too(monkeypatch):
     port = AdapterPort("virtual", "caramelo-flood", 1_000_000)
     foreign = can.Message(arbitration_id=0x12345, is_extended_id=True)
     monkeypatch.setattr(port._bus, "recv", lambda timeout: foreign)
-    looking = threading.Thread(target=port.receive, daemon=True)
-    looking.start()
-    looking.join(PATIENCE_S)
-    assert not looking.is_alive()
+    in_time(port.receive)
     port.close()
 
 

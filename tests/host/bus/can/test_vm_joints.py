@@ -17,11 +17,10 @@ pytestmark = NEEDS_UNIX
 
 def walked(in_vm):
     """Arm, stand up, walk on two diagonals and lose a joint's supply; return every angle and every frame on the bus."""
-    walker = Walker(in_vm=in_vm)
     frames, angles = [], []
-    walker.sim.bus.log = lambda time_us, identifier, data: frames.append((time_us, identifier, data))
-    walker.sim.each_ms.append(lambda ms: angles.append(tuple(walker.sim.body.angle_rad)))
-    try:
+    with Walker(in_vm=in_vm) as walker:
+        walker.sim.bus.log = lambda time_us, identifier, data: frames.append((time_us, identifier, data))
+        walker.sim.each_ms.append(lambda ms: angles.append(tuple(walker.sim.body.angle_rad)))
         walker.arm()
         walker.go(1.6, mode="stand")
         walker.go(0.6)
@@ -29,8 +28,6 @@ def walked(in_vm):
         walker.bus.run_for(0.2)
         inside = [joint.node for joint in walker.sim.joints if isinstance(joint.inside, VmInside)]
         return inside, angles, frames
-    finally:
-        walker.close()
 
 
 def test_four_joints_in_vms_move_the_robot_as_cpythons_do_to_the_bit():

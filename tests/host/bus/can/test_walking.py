@@ -12,49 +12,26 @@ from shared.wire import names as w
 from .robot import Walker
 
 
-@pytest.fixture
-def standing():
-    walker = Walker()
-    walker.arm()
-    walker.stand_up()
-    yield walker
-    walker.close()
-
-
 def states(walker, name):
     return [getattr(joint.inside.joint.control.state, name) for joint in walker.sim.joints]
 
 
-def walk_with_loss(seconds):
-    walker = Walker(jitter_s=0.005, loss=0.01)
-    walker.arm()
-    walker.stand_up()
-    start_m = walker.sim.body.x_m
-    walker.go(seconds)
-    return walker, walker.sim.body.x_m - start_m
-
-
-def check_lossy_walk(seconds):
-    walker, way_m = walk_with_loss(seconds)
-    assert walker.bus.cycle.armed
-    assert walker.notices == []
-    assert walker.lowest_m > 0.2
-    assert way_m > 0.7 * 0.05 * (seconds - 2)
-    counters = walker.bus.counters
-    share = counters.lost / counters.sent
-    assert 0.005 < share < 0.03  # SYNC, or the reply, or both are missing: near 2 %
-    assert all(counters.per_joint_lost)
-    assert sum(walker.bus.cycle.timing.late[5:]) > 0
-    walker.close()
-
-
-def test_walks_with_one_percent_of_frames_lost_and_five_ms_of_jitter():
-    check_lossy_walk(6.0)
-
-
-@pytest.mark.slow
-def test_walks_a_minute_with_one_percent_of_frames_lost_and_five_ms_of_jitter():
-    check_lossy_walk(60.0)
+@pytest.mark.parametrize("seconds", [6.0, pytest.param(60.0, marks=pytest.mark.slow)])
+def test_walks_with_one_percent_of_frames_lost_and_five_ms_of_jitter(seconds):
+    with Walker(jitter_s=0.005, loss=0.01) as walker:
+        walker.arm()
+        walker.stand_up()
+        start_m = walker.sim.body.x_m
+        walker.go(seconds)
+        assert walker.bus.cycle.armed
+        assert walker.notices == []
+        assert walker.lowest_m > 0.2
+        assert walker.sim.body.x_m - start_m > 0.7 * 0.05 * (seconds - 2)
+        counters = walker.bus.counters
+        share = counters.lost / counters.sent
+        assert 0.005 < share < 0.03  # SYNC, or the reply, or both are missing: near 2 %
+        assert all(counters.per_joint_lost)
+        assert sum(walker.bus.cycle.timing.late[5:]) > 0
 
 
 def test_a_host_that_dies_mid_stride_leaves_joints_that_damp_then_coast_and_stay_so(standing):

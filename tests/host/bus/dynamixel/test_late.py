@@ -28,7 +28,7 @@ class Line(Link):
 
     def exchange(self, wanted, length, *coming):
         self.coming = list(coming)
-        return len(self._collect(wanted, length))
+        return len(self._collect(wanted, (0, length)))
 
 
 def test_a_late_answer_is_one_error():

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from host.bus.dynamixel.roll_call import ANSWER, IDS, answers_in, call_roll
 from host.bus.dynamixel.unstuff import packet_handler
-from host.sim.servos.packets import READ, WRITE, Framing1, Framing2, Instruction, crc16, framing
+from host.sim.servos.packets import READ, WRITE, Framing1, Framing2, Instruction, framing
 
 # E-manual, protocol 2.0: ping of id 1, its answer; read of 4 bytes at 132 of id 1; write of 512 to 116.
 PING = bytes.fromhex("FFFFFD0001030001194E")
@@ -99,10 +99,6 @@ def test_no_damaged_packet_passes(packet, at, flip):
     damaged[at % len(packet)] ^= flip
     found = take(Framing2(), damaged)
     assert found is None or not found.intact
-
-
-def test_crc_of_nothing():
-    assert crc16(b"") == 0
 
 
 @st.composite

@@ -1,6 +1,7 @@
 """The real port code on a pseudo-terminal: emulated servos in their own process, and what goes wrong with ports."""
 
 import errno
+import itertools
 import os
 import pty
 import signal
@@ -37,6 +38,15 @@ BAUD = CARAMELO.bus.baud
 def emulator():
     with Emulator("--plant", "bench") as running:
         yield running
+
+
+@pytest.fixture
+def open_port(emulator):
+    """An open port to the emulated servos."""
+    port = ServoPort(emulator.port, BAUD)
+    port.open()
+    yield port
+    port.closePort()
 
 
 def furthest(one, other):
@@ -164,12 +174,10 @@ def test_wrong_rate_gets_no_answer(emulator):
         ServoBus(CARAMELO, nominal(CARAMELO), ServoPort(emulator.port, 57600)).open()
 
 
-def test_a_port_in_use_is_told(emulator):
-    first = ServoPort(emulator.port, BAUD)
-    first.open()
+def test_a_port_in_use_is_told(emulator, open_port):
     with pytest.raises(UserError, match="another program uses it"):
         ServoPort(emulator.port, BAUD).open()
-    first.closePort()
+    open_port.closePort()
     ServoPort(emulator.port, BAUD).open()
 
 
@@ -204,17 +212,17 @@ def test_an_adapter_that_goes_away_is_one_sentence():
     assert "the adapter is gone" in bus.warnings[0]
 
 
-def test_a_slow_adapter_is_warned_about_with_the_remedy(tmp_path):
-    pattern = str(tmp_path / "{tty}" / "latency_timer")
+def test_a_slow_adapter_is_warned_about_with_the_remedy(tmp_path, monkeypatch):
+    monkeypatch.setattr("host.bus.dynamixel.port.LATENCY_TIMER", str(tmp_path / "{tty}" / "latency_timer"))
     timer = tmp_path / "ttyUSB0" / "latency_timer"
-    assert latency_ms("/dev/ttyUSB0", pattern) is None
-    assert latency_warning("/dev/ttyUSB0", pattern) is None
+    assert latency_ms("/dev/ttyUSB0") is None
+    assert latency_warning("/dev/ttyUSB0") is None
     timer.parent.mkdir()
     timer.write_text("16\n")
-    warning = latency_warning("/dev/ttyUSB0", pattern)
+    warning = latency_warning("/dev/ttyUSB0")
     assert warning == f"/dev/ttyUSB0: the adapter delays answers by 16 ms; run: echo 1 | sudo tee {timer}"
     timer.write_text("1\n")
-    assert latency_warning("/dev/ttyUSB0", pattern) is None
+    assert latency_warning("/dev/ttyUSB0") is None
 
 
 def test_a_lost_answer_costs_little_time():
@@ -232,10 +240,8 @@ def test_a_lost_answer_costs_little_time():
     os.close(theirs)
 
 
-def test_renumbering_and_rates(emulator):
-    port = ServoPort(emulator.port, BAUD)
-    port.open()
-    link = Link(port)
+def test_renumbering_and_rates(open_port):
+    link = Link(open_port)
     tools.set_id(link, 3, 40)
     assert link.ping(40) is not None
     assert link.ping(3) is None
@@ -243,11 +249,10 @@ def test_renumbering_and_rates(emulator):
         with pytest.raises(UserError, match=words):
             tools.set_id(link, old, new)
     tools.set_baud(link, 40, 1_000_000)
-    assert port.getBaudRate() == 1_000_000
+    assert open_port.getBaudRate() == 1_000_000
     assert [found.id for found in tools.find(link)] == [40]
     with pytest.raises(UserError, match="allowed 9600"):
         tools.set_baud(link, 40, 123)
-    port.closePort()
 
 
 def test_an_adapter_that_takes_no_bytes_loses_the_packet_and_no_more():
@@ -272,12 +277,10 @@ class Babble:
     in_waiting = 4096
 
     def __init__(self, pattern):
-        self._pattern, self.taken = pattern, 0
+        self._coming = itertools.cycle(pattern)
 
     def read(self, length):
-        data = bytes(self._pattern[(self.taken + i) % len(self._pattern)] for i in range(length))
-        self.taken += length
-        return data
+        return bytes(itertools.islice(self._coming, length))
 
     def write(self, data):
         return len(data)
@@ -310,19 +313,13 @@ STRANGER = framing(2.0).status(200, 0, bytes(10))
 @pytest.mark.parametrize("what", ["all", "one", "roll call"])
 def test_bytes_that_keep_coming_do_not_keep_a_read_from_its_end(pattern, what):
     port = SlowClock(pattern)
-    link = Link(port)
-    ids = list(range(1, 13))
-    ended = []
-
-    def read():
-        if what == "all":
-            ended.append(link.read_all(ids, t.FAST_BLOCK))
-        elif what == "roll call":
-            ended.append(link.ping_all())
-        else:
-            ended.append(link.ping(1, tries=1))
-
-    reading = threading.Thread(target=read, daemon=True)
+    link, ended = Link(port), []
+    read = {
+        "all": lambda: link.read_all(range(1, 13), t.FAST_BLOCK),
+        "one": lambda: link.ping(1, tries=1),
+        "roll call": link.ping_all,
+    }[what]
+    reading = threading.Thread(target=lambda: ended.append(read()), daemon=True)
     reading.start()
     reading.join(PATIENCE_S)
     assert ended in ([{}], [None])
@@ -334,12 +331,14 @@ def test_bytes_that_keep_coming_do_not_keep_a_read_from_its_end(pattern, what):
 class Turns:
     """A serial device, and the clock of its port, on which servos answer a broadcast ping in their turns."""
 
-    def __init__(self, port, servos):
-        self.port, self.now_ms, self.coming = port, 0.0, b""
-        byte_ms = port.tx_time_per_byte
-        self.due = []
+    def __init__(self, monkeypatch, baud, servos):
+        self.now_ms, self.coming, self.due = 0.0, b"", []
+        self.port = ServoPort("turns", baud)
+        self.port.ser, self.port.tx_time_per_byte = self, 10_000.0 / baud
+        monkeypatch.setattr(self.port, "getCurrentTime", lambda: self.now_ms)
+        monkeypatch.setattr("host.bus.dynamixel.port.select.select", self.select)
         for before, servo in enumerate(servos):
-            at_ms = (10 + 14 * (before + 1)) * byte_ms + 3.0 * (servo - before) + 0.5
+            at_ms = (10 + 14 * (before + 1)) * self.port.tx_time_per_byte + 3.0 * (servo - before) + 0.5
             self.due.append((at_ms, framing(2.0).status(servo, 0, bytes([30, 0, 45]))))
 
     def select(self, reading, writing, failing, left_s):
@@ -369,30 +368,19 @@ class Turns:
 @pytest.mark.parametrize("servos", [[], [252], list(range(1, 13)), list(range(253))], ids=["0", "last", "robot", "all"])
 @pytest.mark.parametrize("baud", t.BAUDS)
 def test_a_roll_call_waits_for_every_turn_and_no_longer(monkeypatch, baud, servos):
-    port = ServoPort("turns", baud)
-    port.tx_time_per_byte = 10_000.0 / baud
-    port.ser = line = Turns(port, servos)
-    monkeypatch.setattr(port, "getCurrentTime", lambda: line.now_ms)
-    monkeypatch.setattr("host.bus.dynamixel.port.select.select", line.select)
-    assert Link(port).ping_all() == dict.fromkeys(servos, 30)
-    assert line.now_ms < (24 + 14 * len(servos)) * port.tx_time_per_byte + 3.0 * 253 + link_module.PATIENCE_MS + 1.0
+    line = Turns(monkeypatch, baud, servos)
+    assert Link(line.port).ping_all() == dict.fromkeys(servos, 30)
+    wire_ms = (24 + 14 * len(servos)) * line.port.tx_time_per_byte
+    assert line.now_ms < wire_ms + 3.0 * 253 + link_module.PATIENCE_MS + 1.0
 
 
 @pytest.mark.parametrize("baud", t.BAUDS)
 def test_a_single_servo_is_heard_at_every_rate(monkeypatch, baud):
     """At 9600 baud the request alone takes 10 ms, longer than the patience of a ping."""
-    port = ServoPort("turns", baud)
-    port.tx_time_per_byte = 10_000.0 / baud
-    port.ser = line = Turns(port, [0])
-    monkeypatch.setattr(port, "getCurrentTime", lambda: line.now_ms)
-    monkeypatch.setattr("host.bus.dynamixel.port.select.select", line.select)
-    assert Link(port).ping(0, tries=1) == 30
+    assert Link(Turns(monkeypatch, baud, [0]).port).ping(0, tries=1) == 30
 
 
-def test_the_emulated_servos_answer_in_their_turns(emulator):
-    port = ServoPort(emulator.port, BAUD)
-    port.open()
-    link = Link(port)
+def test_the_emulated_servos_answer_in_their_turns(open_port):
+    link = Link(open_port)
     tools.set_id(link, 3, 252)
     wait_until(lambda: sorted(link.ping_all()) == [1, 2, *range(4, 13), 252], "all are heard, though one comes last")
-    port.closePort()

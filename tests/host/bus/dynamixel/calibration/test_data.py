@@ -1,7 +1,6 @@
 """Calibration files: what is refused and why, whole files with a backup, and counts to angles and back."""
 
 import dataclasses
-import tomllib
 from math import degrees, pi
 
 import pytest
@@ -15,7 +14,6 @@ from host.bus.dynamixel.calibration.data import (
     check,
     counts_per_rad,
     default_path,
-    from_tables,
     limits_rad,
     load_calibration,
     nominal,
@@ -146,7 +144,3 @@ def test_no_file_says_what_to_do(tmp_path, monkeypatch):
     assert path == tmp_path / "caramelo" / "caramelo.calibration.toml"
     with pytest.raises(CalibrationError, match="no calibration yet; run: caramelo calibrate"):
         load_calibration(path, CARAMELO)
-
-
-def test_the_text_is_toml():
-    assert from_tables(tomllib.loads(to_text(PLAN)), "") == PLAN
