@@ -11,6 +11,13 @@ from ..imu.choose import open_source
 from ..robot.model import Robot
 
 
+def kind_of_hardware(robot: Robot, sim: bool, direct: bool) -> str:
+    """Return what --sim and --direct ask for: a robot without a servo bus has none to emulate."""
+    if not sim:
+        return "real"
+    return "emulated" if robot.bus.kind == "dynamixel" and not direct else "simulated"
+
+
 @contextmanager
 def hardware(
     robot: Robot,

@@ -51,7 +51,7 @@ def teleop(
     from ..robot.file import find, load_robot
     from ..robot.gait_file import with_gait
     from ..teleop.session import Options, Session
-    from ._hardware import hardware
+    from ._hardware import hardware, kind_of_hardware
 
     _check(measure, direct, sim)
     _check_keep(keep, log)
@@ -61,8 +61,9 @@ def teleop(
     if honest is not None and not sim:
         raise UserError(f"--{'honest' if honest else 'simple'}: only with --sim")
     loaded = with_gait(load_robot(robot).simulated(honest), gait)
-    which, space = _which(loaded.actuator.kind, sim, direct), _in_space(where, sim)
-    parts = hardware(loaded, which, port, calibration, str(find(robot)), imu, space)
+    parts = hardware(
+        loaded, kind_of_hardware(loaded, sim, direct), port, calibration, str(find(robot)), imu, _in_space(where, sim)
+    )
     options = Options(
         robot=robot,
         web=web,
@@ -110,13 +111,6 @@ def _in_space(where: str | None, sim: bool) -> bool:
     if where is not None and not sim:
         raise UserError(f"--in {where}: only with --sim")
     return sim and (where == "space" or (where is None and find_spec("mujoco") is not None))
-
-
-def _which(kind: str, sim: bool, direct: bool) -> str:
-    """Return the kind of hardware: brushless joints have no servo bus to emulate."""
-    if not sim:
-        return "real"
-    return "simulated" if direct or kind != "servo" else "emulated"
 
 
 def _quiet(line: str) -> None:

@@ -14,8 +14,10 @@ import sys
 import pytest
 
 from host.cli import main
+from host.commands._hardware import kind_of_hardware
 from host.control.safety import Fault
 from host.records.reader import read_record
+from host.robot.file import load_robot
 from host.teleop.measure import Measure
 from tests.host.control.rig import Rig
 from tests.waiting import PATIENCE_S, wait_until
@@ -65,6 +67,17 @@ def test_measure_prints_figures(measurements):
 
 def test_brushless_robots_drive_too(measurements):
     assert measurements["parallel"].figures()["robot"] == "parallel"
+
+
+@pytest.mark.parametrize(
+    ("robot", "kind"),
+    [("caramelo", "emulated"), ("parallel", "simulated"), ("pupper", "simulated"), ("solo12", "simulated")],
+)
+def test_only_a_servo_bus_is_emulated(robot, kind):
+    """Pupper has servos, but no bus to them: it was refused with --sim."""
+    assert kind_of_hardware(load_robot(robot), True, False) == kind
+    assert kind_of_hardware(load_robot(robot), True, True) == "simulated"
+    assert kind_of_hardware(load_robot(robot), False, False) == "real"
 
 
 @pytest.mark.parametrize(
