@@ -91,11 +91,11 @@ def selftest(
     ok = all(row.ok for row in rows)
     if as_json:
         write_json({"ok": ok, "figures": [vars(row) for row in rows]})
-        return 0 if ok else NOT_ACHIEVED
-    from rich.text import Text
+    else:
+        from rich.text import Text
 
-    print_table(("figure", "found", "allowed", ""), [
-        (row.name, row.found, row.allowed, "ok" if row.ok else Text("outside", style="red")) for row in rows])
+        print_table(("figure", "found", "allowed", ""), [
+            (row.name, row.found, row.allowed, "ok" if row.ok else Text("outside", style="red")) for row in rows])
     return 0 if ok else NOT_ACHIEVED
 
 

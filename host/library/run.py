@@ -15,7 +15,7 @@ from ..robot.model import Robot
 from .errors import Error, Fault, NotAchieved
 from .places import Place
 from .sensed import Sensed
-from .ticks import SimulatedTicks, ThreadTicks, Ticks
+from .ticks import SimulatedTicks, ThreadTicks
 
 CLIENT = Client("script")
 # Walking to a stop, sitting down and letting go take a few seconds; after this the robot is let go where it is.
@@ -42,7 +42,7 @@ class Run:
             self._ticks.start()
             self._stack = opened.pop_all()
 
-    def _make_ticks(self) -> Ticks:
+    def _make_ticks(self) -> SimulatedTicks | ThreadTicks:
         if self.place.advance is not None:
             return SimulatedTicks(self.loop, self.place.advance)
         return ThreadTicks(self.loop, self.place.hardware.bus.emergency_stop)

@@ -5,9 +5,9 @@ An hour is over a million messages; as columns they take a tenth of the memory.
 
 import json
 from array import array
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from typing import Any, overload
+from typing import Any
 
 from .channels import CHANNELS
 
@@ -61,7 +61,7 @@ class Column:
         return self.all[row] if self.width is None else list(self.all[row * self.width : (row + 1) * self.width])
 
 
-class Rows(Sequence[Row]):
+class Rows:
     """The messages of a topic, some fields of each."""
 
     def __init__(self, topic: str, fields: Collection[str]) -> None:
@@ -80,17 +80,11 @@ class Rows(Sequence[Row]):
     def __len__(self) -> int:
         return len(self.times_ns)
 
-    @overload
-    def __getitem__(self, at: int) -> Row: ...
+    def __iter__(self) -> Iterator[Row]:
+        return map(self.__getitem__, range(len(self)))
 
-    @overload
-    def __getitem__(self, at: slice) -> list[Row]: ...
-
-    def __getitem__(self, at: int | slice) -> Row | list[Row]:
-        places = range(len(self))[at]
-        return self._row(places) if isinstance(places, int) else [self._row(place) for place in places]
-
-    def _row(self, at: int) -> Row:
+    def __getitem__(self, at: int) -> Row:
+        at = range(len(self))[at]
         return Row(self.times_ns[at], {name: column.of(at) for name, column in self.columns.items()})
 
 
