@@ -71,7 +71,7 @@ class Session:
         robot: Robot,
         hardware: AbstractContextManager[Hardware],
         say: Callable[[str], None],
-        free: Callable[[], object] = lambda: None,
+        free: Callable[[], object],
     ) -> None:
         self.options, self.robot, self._hardware, self._say, self._free = options, robot, hardware, say, free
         self.extra = Extra()
