@@ -13,7 +13,6 @@ import sys
 
 import pytest
 
-from host.cli import main
 from host.commands._hardware import kind_of_hardware
 from host.control.safety import Fault
 from host.records.reader import read_record
@@ -92,15 +91,19 @@ def test_only_a_servo_bus_is_emulated(robot, kind):
         (["--sim", "--direct", "--headless", "--web", "--listen", "203.0.113.1:8080"], "--listen 203.0.113.1:8080"),
         (["--sim", "--direct", "--headless", "--socket", "/nowhere/x"], "--socket /nowhere/x"),
         (["--sim", "--direct", "--headless", "--gamepad", "/dev/input/none"], "gamepad"),
+        (["--sim", "--direct", "--headless", "--keep", "1"], "only with --log FOLDER"),
+        (["--sim", "--direct", "--headless", "--keep", "0", "--log", "{}/x"], "allowed 0.01 .. 100000"),
+        (["--sim", "--direct", "--headless", "--keep", "1", "--log", "{}/x.mcap"], "FOLDER, not with the file /"),
     ],
 )
-def test_wrong_use_is_one_line(options, sentence, capsys, monkeypatch):
+def test_wrong_use_is_one_line_and_leaves_nothing(options, sentence, run, monkeypatch, tmp_path):
     monkeypatch.setattr("host.control.priority.ask", lambda: "as it is")
     monkeypatch.setattr("sys.stdin", io.StringIO())
-    assert main(["teleop", *options]) == 2
-    error = capsys.readouterr().err
+    code, _, error = run("teleop", *(option.format(tmp_path) for option in options))
+    assert code == 2
     assert sentence in error
     assert error.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_measurement_ends_at_a_fault():
