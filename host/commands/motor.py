@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..util.console import print_table, tell_written, write_json
-from ..util.errors import NOT_ACHIEVED
+from ..util.errors import NOT_ACHIEVED, UserError
 from ..util.progress import cases
 from ._options import Json
 
@@ -102,7 +102,6 @@ def selftest(
 def _joint_of(robot: str) -> "Bldc":
     from ..robot.actuators import Bldc
     from ..robot.file import load_robot
-    from ..util.errors import UserError
 
     data = load_robot(robot)
     if not isinstance(data.actuator, Bldc):

@@ -1,9 +1,8 @@
-"""A channel's messages: JSON, checked against what the channel holds (channels.py) and kept in columns of numbers.
+"""A channel's messages, checked against what the channel holds (channels.py) and kept in columns of numbers.
 
 An hour is over a million messages; as columns they take a tenth of the memory.
 """
 
-import json
 from array import array
 from collections.abc import Collection, Iterator
 from dataclasses import dataclass
@@ -86,14 +85,3 @@ class Rows:
     def __getitem__(self, at: int) -> Row:
         at = range(len(self))[at]
         return Row(self.times_ns[at], {name: column.of(at) for name, column in self.columns.items()})
-
-
-def read_object(data: bytes) -> dict[str, Any]:
-    """Return a message's JSON object; BadValue if it is not one."""
-    try:
-        values = json.loads(data.decode())
-    except (ValueError, RecursionError) as error:
-        raise BadValue(f"not JSON ({type(error).__name__}): allowed: a JSON object") from None
-    if not isinstance(values, dict):
-        raise BadValue(f"JSON, but a {type(values).__name__}: allowed: a JSON object")
-    return values
