@@ -161,27 +161,29 @@ class Terminal:
 
 
 @pytest.fixture
-def terminal():
-    terminal = Terminal()
+def terminal(tmp_path):
+    terminal = Terminal("--log", str(tmp_path / "x.mcap"))
     yield terminal
     terminal.end()
 
 
-def test_a_terminal_that_goes_away_sits_the_robot_down(tmp_path):
-    path = tmp_path / "x.mcap"
-    terminal = Terminal("--log", str(path))
-    try:
-        terminal.see("disarmed")
-        terminal.type(b"t")
-        terminal.see(r" standing ")
-        terminal.see("walking", key=b"w")
-        terminal.hang_up()
-        terminal.process.wait(PATIENCE_S)
-    finally:
-        terminal.end()
-    record = read_record(path)
-    assert record.whole
-    assert [row.values["state"] for row in record.of("/state")][-2:] == ["sitting", "disarmed"]
+def states(path):
+    return [row.values["state"] for row in read_record(path).of("/state")]
+
+
+def sat_down(path):
+    """Return whether a record is whole and ends with a robot that sat down."""
+    return read_record(path).whole and states(path)[-2:] == ["sitting", "disarmed"]
+
+
+def test_a_terminal_that_goes_away_sits_the_robot_down(terminal, tmp_path):
+    terminal.see("disarmed")
+    terminal.type(b"t")
+    terminal.see(r" standing ")
+    terminal.see("walking", key=b"w")
+    terminal.hang_up()
+    terminal.process.wait(PATIENCE_S)
+    assert sat_down(tmp_path / "x.mcap")
 
 
 def test_a_drive_in_the_terminal(terminal):
@@ -206,11 +208,9 @@ def test_sigterm_sits_down_before_it_ends(tmp_path):
     options = ["--sim", "--direct", "--measure", "60", "--log", str(path)]
     process = subprocess.Popen([*TELEOP, *options], stdout=subprocess.PIPE, text=True)
     assert any(line.startswith("ready") for line in process.stdout)
-    wait_until(lambda: "walking" in [row.values["state"] for row in read_record(path).of("/state")], "it walks")
+    wait_until(lambda: "walking" in states(path), "it walks")
     process.send_signal(signal.SIGTERM)
     assert "missed their deadline" in process.stdout.read()
     process.stdout.close()
     process.wait(PATIENCE_S)
-    record = read_record(path)
-    assert record.whole
-    assert [row.values["state"] for row in record.of("/state")][-2:] == ["sitting", "disarmed"]
+    assert sat_down(path)
