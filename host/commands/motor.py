@@ -1,7 +1,7 @@
 """`caramelo motor`: runs a brushless joint's firmware over a motor model, and a real board's self-test."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -60,7 +60,10 @@ def sim(
     if as_json:
         write_json(figures[scenario] if scenario else {"ok": ok, "scenarios": figures})
     else:
-        _print(figures, written)
+        rows = [("" if i else name, key, value)
+                for name, row in figures.items() for i, (key, value) in enumerate(row.items())]
+        print_table(("scenario", "figure", "value"), rows)
+        tell_written(written)
     return 0 if ok else NOT_ACHIEVED
 
 
@@ -117,9 +120,3 @@ def _draw(results: "list[Result]", out: Path) -> list[Path]:
         paths.append(out / f"{result.name}.png")
         draw(result, paths[-1])
     return paths
-
-
-def _print(figures: dict[str, dict[str, Any]], written: list[Path]) -> None:
-    print_table(("scenario", "figure", "value"), [
-        ("" if i else name, key, value) for name, row in figures.items() for i, (key, value) in enumerate(row.items())])
-    tell_written(written)

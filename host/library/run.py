@@ -66,13 +66,14 @@ class Run:
 
     def _after_tick(self, loop: Loop) -> None:
         supervisor = loop.supervisor
+        fault = supervisor.safety.sentence if supervisor.arbiter.stop is None else "emergency stop"
         measured, attitude = supervisor.measured, supervisor.attitude
         rates = self.place.hardware.attitude.rates_rad_s if attitude is not None else None
         swinging = supervisor.driver.planner.status.swinging if supervisor.driver.state == "walking" else 0
         self.sensed = Sensed(
             time_s=loop.clock(),
             state=supervisor.state,
-            fault=self._fault(),
+            fault=fault,
             remark=supervisor.remark,
             joints_rad=measured.position_rad,
             speed_rad_s=measured.speed_rad_s,
@@ -88,10 +89,6 @@ class Run:
         )
         self._log(loop)
         self.ticks.ticked()
-
-    def _fault(self) -> str:
-        stop = self.supervisor.arbiter.stop
-        return "emergency stop" if stop is not None else self.supervisor.safety.sentence
 
     def send(self, message: Message) -> None:
         """Give the loop a message; Error if it refuses."""

@@ -93,7 +93,10 @@ class Hub:
     def listen(self, where: str) -> None:
         """Let scripts connect to a Unix socket's path, or to a port number on 127.0.0.1."""
         try:
-            self._listener = _on_port(int(where)) if where.isdigit() else _on_path(Path(where))
+            if where.isdigit():
+                self._listener = socket.create_server(("127.0.0.1", int(where)), backlog=MOST_SCRIPTS)
+            else:
+                self._listener = _on_path(Path(where))
         except (OSError, OverflowError) as error:
             raise UserError(f"--socket {where}: can't listen there: {error}") from None
         self._path = None if where.isdigit() else Path(where)
@@ -217,16 +220,12 @@ class Hub:
     def _hear_side(self, side: Side) -> None:
         try:
             for line in side.lines.receive():
-                self._try_side(line, side)
+                try:
+                    self._take_side(line, side)
+                except (ValueError, KeyError, TypeError):  # must not cost the next line, which may be a stop
+                    self.bad += 1
         except Gone:
             self.lose_side(side.source)
-
-    def _try_side(self, line: bytes, side: Side) -> None:
-        """Handle a line; a bad one must not cost the next one, which may be a stop."""
-        try:
-            self._take_side(line, side)
-        except (ValueError, KeyError, TypeError):
-            self.bad += 1
 
     def _take_side(self, line: bytes, side: Side) -> None:
         """Handle a client's message, the loss of a client, or news of the process itself."""
@@ -285,10 +284,6 @@ def _from_the_last_stop(lines: Iterator[bytes]) -> Iterator[bytes]:
     yield from kept
     if gone is not None:
         raise gone
-
-
-def _on_port(port: int) -> socket.socket:
-    return socket.create_server(("127.0.0.1", port), backlog=MOST_SCRIPTS)
 
 
 def _on_path(path: Path) -> socket.socket:
