@@ -45,17 +45,17 @@ END_S = 6.0  # for record, page and screen together; a record on a slow disk tak
 class Options:
     """The options of the command line."""
 
-    robot: str = "caramelo"
-    web: bool = False
-    listen: str = "127.0.0.1:8080"
-    foxglove: bool = False
-    foxglove_port: int = 8765
-    log: Path | None = None
-    keep_GB: float | None = None
-    socket: str | None = None
-    gamepad: str | None = None
-    measure_s: float | None = None
-    terminal: bool = False
+    robot: str
+    web: bool
+    listen: str
+    foxglove: bool
+    foxglove_port: int
+    log: Path | None
+    keep_GB: float | None
+    socket: str | None
+    gamepad: str | None
+    measure_s: float | None
+    terminal: bool
 
 
 class Session:
