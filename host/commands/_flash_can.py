@@ -1,7 +1,5 @@
 """`caramelo flash --can`: firmware for the joints of a robot over their bus."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +10,6 @@ from ..util.progress import stages
 
 if TYPE_CHECKING:
     from ..boards.flash.over_can import CanFlash, JointOutcome
-    from ..bus.can.port import Port
 
 Bus = tuple[str, str | None, str | None]  # robot, interface, channel
 
@@ -23,12 +20,16 @@ def flash_over_can(image: Path, nodes: list[int], every: bool, dry_run: bool, wh
 
     from ..boards.build.image_file import read_image_file
     from ..boards.flash.over_can import CanFlash, check_image
+    from ..bus.can.open import open_port
     from ..bus.can.update_bus import UpdateBus
+    from ..robot.file import load_can_robot
 
     wanted = _wanted(nodes, every)
     data = read_image_file(image)
     check_image(data)
-    with _port(*where) as port, stages("flash", as_json) as tell:
+    robot, interface, channel = where
+    _, bus = load_can_robot(robot)
+    with open_port(bus, interface, channel) as port, stages("flash", as_json) as tell:
         work = CanFlash(UpdateBus(port, secrets.randbelow(256)), data, wanted, tell)
         joints = list(work.survey().values())
         if not dry_run:
@@ -51,16 +52,6 @@ def _wanted(nodes: list[int], every: bool) -> list[int]:
     if wrong:
         raise UserError(f"flash --can {wrong[0]}: allowed 1 to 12, which is 1 + 3 x leg + joint")
     return sorted(set(nodes)) or list(range(1, 13))
-
-
-@contextmanager
-def _port(robot: str, interface: str | None, channel: str | None) -> Iterator["Port"]:
-    from ..bus.can.open import open_port
-    from ..robot.file import load_can_robot
-
-    _, bus = load_can_robot(robot)
-    with open_port(bus, interface, channel) as port:
-        yield port
 
 
 def _print(work: "CanFlash", joints: "list[JointOutcome]", dry_run: bool) -> None:

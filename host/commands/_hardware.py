@@ -1,7 +1,7 @@
 """Which hardware a command drives: the real robot, emulated servos, or the simulated joints without a bus."""
 
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +9,13 @@ from ..control.hardware import Hardware, real
 from ..imu.attitude import Attitude
 from ..imu.choose import open_source
 from ..robot.model import Robot
+
+
+def kind_of_hardware(robot: Robot, sim: bool, direct: bool) -> str:
+    """Return what --sim and --direct ask for: a robot without a servo bus has none to emulate."""
+    if not sim:
+        return "real"
+    return "emulated" if robot.bus.kind == "dynamixel" and not direct else "simulated"
 
 
 @contextmanager
@@ -27,17 +34,14 @@ def hardware(
     ``imu`` names another inertial sensor than the usual one (host/imu/choose.py); ``space``: the simulation runs in
     three dimensions.
     """
-    with _chosen(robot, which, port, calibration, source or robot.name, space) as parts:
+    with ExitStack() as stack:
+        if which == "real":
+            parts = real(robot, port, calibration)
+        else:
+            from ..sim.hardware import emulated, simulated  # needs the simulator's libraries
+
+            if which == "simulated":
+                parts = simulated(robot, space)
+            else:
+                parts = stack.enter_context(emulated(robot, calibration, source or robot.name, space))
         yield parts if imu is None else replace(parts, attitude=Attitude(robot, open_source(robot, imu)))
-
-
-def _chosen(
-    robot: Robot, which: str, port: str | None, calibration: Path | None, source: str, space: bool
-) -> AbstractContextManager[Hardware]:
-    if which == "real":
-        return nullcontext(real(robot, port, calibration))
-    from ..sim.hardware import emulated, simulated  # needs the simulator's libraries
-
-    if which == "simulated":
-        return nullcontext(simulated(robot, space))
-    return emulated(robot, calibration, source, space)

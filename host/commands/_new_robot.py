@@ -11,8 +11,6 @@ from ..util.errors import UserError
 if TYPE_CHECKING:
     from ..robot.new_robot import Answer, Question
 
-
-
 NO_ANSWERS = ("path", "defaults", "force", "as_json")
 
 
@@ -52,8 +50,8 @@ def new_robot(
     """
     from .robots import check_robot
 
-    said = {name: value for name, value in context.params.items() if value is not None}
-    given = {name: value for name, value in said.items() if name not in NO_ANSWERS}
+    said = context.params.items()
+    given = {name: value for name, value in said if value is not None and name not in NO_ANSWERS}
     write_new(path, given, defaults, force)
     if not as_json:
         tell_written([path])

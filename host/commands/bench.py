@@ -9,7 +9,6 @@ from ..util.errors import NOT_ACHIEVED
 from ._options import Json
 
 if TYPE_CHECKING:
-
     from ..lab.parity.bench import Bench
 
 Simulator = Annotated[bool, typer.Option(help="Also time the simulator.")]

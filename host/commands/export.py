@@ -5,7 +5,8 @@ from typing import Annotated
 
 import typer
 
-from ..util.console import say, screen, write_json
+from ..util.console import say, tell_written, write_json
+from ..util.errors import UserError
 from ._options import RobotName
 
 Out = Annotated[Path | None, typer.Option("--out", metavar="FILE", help="Write here instead of to the terminal.")]
@@ -65,7 +66,6 @@ def _checked_voltage(voltage_V: float | None, robot: str) -> float | None:
     """Return the voltage if the robot file has the drives' data for it."""
     from ..robot.file import load_robot
     from ..robot.plane import planar_robot
-    from ..util.errors import UserError
 
     if voltage_V is not None:
         try:
@@ -77,7 +77,6 @@ def _checked_voltage(voltage_V: float | None, robot: str) -> float | None:
 
 def _deliver(text: str, kind: str, robot: str, out: Path | None, as_json: bool) -> None:
     """Write the model to its file or the terminal."""
-    from ..util.errors import UserError
     from ..util.files import write_text
 
     if as_json and out is None:
@@ -89,4 +88,4 @@ def _deliver(text: str, kind: str, robot: str, out: Path | None, as_json: bool) 
     if as_json:
         write_json({"robot": robot, "format": kind, "file": str(out), "bytes": len(text.encode())})
     else:
-        screen().print(f"wrote {out}", soft_wrap=True)
+        tell_written([out])

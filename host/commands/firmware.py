@@ -1,6 +1,7 @@
 """`caramelo firmware`: builds the firmware of the boards."""
 
 import os
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -121,16 +122,11 @@ def _build(role: str, robot: str, micropython: Path, out: Path, jobs: int) -> "B
     from ..boards.build.image_file import write_image_file
     from ..boards.build.source import BuildError
 
-    done = 0
+    done = count(1)
     with progress(f"{role}: building", COMPILED_FILES) as advance:
-
-        def tell() -> None:
-            nonlocal done
-            done += 1
-            advance(min(done, COMPILED_FILES))
-
         try:
-            built = build_board_image(role, robot, micropython, out / "build" / role, jobs, tell)
+            built = build_board_image(role, robot, micropython, out / "build" / role, jobs,
+                                      lambda: advance(min(next(done), COMPILED_FILES)))
         except BuildError as error:
             raise UserError(str(error)) from error
     write_image_file(built.image, out / f"{role}.caramelo")

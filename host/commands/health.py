@@ -52,13 +52,12 @@ def health(
         write_note(f"asking the drive at {where}")
         found = tuple(findings(*seen_on_socket(where, seconds)))
     else:
-        which = "simulated" if direct else "emulated" if sim else "real"
-        found = _opened(robot, which, port, calibration, imu, seconds)
+        found = _opened(robot, sim, direct, port, calibration, imu, seconds)
     return _tell(found, where or ("simulation" if sim else "opened"), as_json)
 
 
 def _opened(
-    name: str, which: str, port: str | None, calibration: Path | None, imu: str | None, seconds: float
+    name: str, sim: bool, direct: bool, port: str | None, calibration: Path | None, imu: str | None, seconds: float
 ) -> "Sequence[Finding]":
     """Open the robot for some time and return its lines; if that fails, why, and whether the sensor answers."""
     from ..control.health import BAD, Finding, version_finding
@@ -69,16 +68,15 @@ def _opened(
     from ..library.robot import Robot
     from ..robot.file import find, load_robot
     from ..util.version import versions
-    from ._hardware import hardware
+    from ._hardware import hardware, kind_of_hardware
 
     robot = load_robot(name)
-    if which == "real" and robot.bus.kind == "none":
+    if not sim and robot.bus.kind == "none":
         raise UserError(f"{robot.name}: can only be simulated, not driven: add --sim")
-    if which == "emulated" and robot.bus.kind != "dynamixel":
-        which = "simulated"  # it has no servo bus to emulate
     sensor = Attitude(robot, open_source(robot, imu or I2C))
     write_note(f"reading {robot.name} for {seconds:g} s, joints off")
     try:
+        which = kind_of_hardware(robot, sim, direct)
         chosen = hardware(robot, which, port, calibration, str(find(name)), imu)
         with chosen as parts, Robot(Place(parts), name) as opened:
             return opened.health(seconds)

@@ -42,6 +42,7 @@ def identify(
     Examples: caramelo identify; caramelo identify --sim; caramelo identify --fit out/identify/caramelo
     """
     from ..bus.dynamixel.calibration.data import servo_of
+    from ..bus.dynamixel.calibration.person import AtTerminal, FromFile
     from ..identify.procedure import fit_all
     from ..robot.file import find, load_robot
 
@@ -52,7 +53,8 @@ def identify(
     if as_json and not (yes or sim or fit):
         raise UserError("--json: can't ask questions: add --yes, --sim or --fit RECORDS")
     if fit is None:
-        person = _person(yes or sim)
+        agrees = FromFile({"stand": "go", "floor": "go"}, "--yes")
+        person: Person = agrees if yes or sim else AtTerminal()
         with _rig(data, port, calibration, sim, seed) as (rig, stand):
             _measure(data, rig, stand, person, folder, joints, not no_floor and joint is None)
     with stages("fit", as_json) as show:
@@ -72,12 +74,6 @@ def _joints(names: list[str] | None) -> list[int]:
         if name not in JOINT_LABELS:
             raise UserError(f'--joint "{name}": allowed {", ".join(JOINT_LABELS)}')
     return [JOINT_LABELS.index(name) for name in names]
-
-
-def _person(agrees: bool) -> "Person":
-    from ..bus.dynamixel.calibration.person import AtTerminal, FromFile
-
-    return FromFile({"stand": "go", "floor": "go"}, "--yes") if agrees else AtTerminal()
 
 
 @contextmanager

@@ -1,12 +1,12 @@
 """`caramelo motor`: runs a brushless joint's firmware over a motor model, and a real board's self-test."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ..util.console import print_table, tell_written, write_json
-from ..util.errors import NOT_ACHIEVED
+from ..util.errors import NOT_ACHIEVED, UserError
 from ..util.progress import cases
 from ._options import Json
 
@@ -60,7 +60,10 @@ def sim(
     if as_json:
         write_json(figures[scenario] if scenario else {"ok": ok, "scenarios": figures})
     else:
-        _print(figures, written)
+        rows = [("" if i else name, key, value)
+                for name, row in figures.items() for i, (key, value) in enumerate(row.items())]
+        print_table(("scenario", "figure", "value"), rows)
+        tell_written(written)
     return 0 if ok else NOT_ACHIEVED
 
 
@@ -91,18 +94,17 @@ def selftest(
     ok = all(row.ok for row in rows)
     if as_json:
         write_json({"ok": ok, "figures": [vars(row) for row in rows]})
-        return 0 if ok else NOT_ACHIEVED
-    from rich.text import Text
+    else:
+        from rich.text import Text
 
-    print_table(("figure", "found", "allowed", ""), [
-        (row.name, row.found, row.allowed, "ok" if row.ok else Text("outside", style="red")) for row in rows])
+        print_table(("figure", "found", "allowed", ""), [
+            (row.name, row.found, row.allowed, "ok" if row.ok else Text("outside", style="red")) for row in rows])
     return 0 if ok else NOT_ACHIEVED
 
 
 def _joint_of(robot: str) -> "Bldc":
     from ..robot.actuators import Bldc
     from ..robot.file import load_robot
-    from ..util.errors import UserError
 
     data = load_robot(robot)
     if not isinstance(data.actuator, Bldc):
@@ -118,9 +120,3 @@ def _draw(results: "list[Result]", out: Path) -> list[Path]:
         paths.append(out / f"{result.name}.png")
         draw(result, paths[-1])
     return paths
-
-
-def _print(figures: dict[str, dict[str, Any]], written: list[Path]) -> None:
-    print_table(("scenario", "figure", "value"), [
-        ("" if i else name, key, value) for name, row in figures.items() for i, (key, value) in enumerate(row.items())])
-    tell_written(written)

@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from ..util.console import say, write_json
+from ..util.errors import UserError
 from ._options import Json
 
 
@@ -21,7 +22,6 @@ def pairings(
     Examples: caramelo pairings; sudo caramelo pairings --folder /var/lib/caramelo --forget
     """
     from ..teleop.web.paired import NAME, Paired, paired_path
-    from ..util.errors import UserError
 
     path = paired_path() if folder is None else folder / NAME
     paired = Paired(path)

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, nullcontext, suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -137,18 +137,11 @@ def status(
     return 0 if all(s and not s.error for _, _, s in rows) else NOT_ACHIEVED
 
 
-def _status_cells(s: Any) -> tuple[str, ...]:
+def _status_cells(s: Any) -> tuple[object, ...]:
     if s is None:
         return "-", "-", "-", "-", "-", "does not answer: check its cable, or run scan"
-    torque = "on" if s.torque else "off"
-    return (
-        str(s.position),
-        f"{100 * s.load:.0f} %",
-        f"{s.voltage_V:.1f}",
-        str(s.temperature_C),
-        torque,
-        s.error or "none",
-    )
+    load, torque = f"{100 * s.load:.0f} %", "on" if s.torque else "off"
+    return s.position, load, f"{s.voltage_V:.1f}", s.temperature_C, torque, s.error or "none"
 
 
 @contextmanager
@@ -187,20 +180,15 @@ def monitor(
 
 def _watch(bus: "ServoBus", seconds: float | None, view: Callable[..., Any] | None) -> "Measured":
     """Read at the planner's rate until the time is over or Ctrl-C; show the reading ten times a second."""
-    from contextlib import nullcontext
-
     period_s, began_s = 1 / bus.robot.control.rate_hz, bus.now()
     measured, shown_s = bus.read(), began_s
-    with view() if view else nullcontext() as show:
-        try:
-            while seconds is None or bus.now() - began_s < seconds:
-                time.sleep(period_s)
-                measured = bus.read()
-                if show and bus.now() - shown_s > 0.1:
-                    shown_s = bus.now()
-                    show(bus, measured)
-        except KeyboardInterrupt:
-            return measured
+    with view() if view else nullcontext() as show, suppress(KeyboardInterrupt):
+        while seconds is None or bus.now() - began_s < seconds:
+            time.sleep(period_s)
+            measured = bus.read()
+            if show and bus.now() - shown_s > 0.1:
+                shown_s = bus.now()
+                show(bus, measured)
     return measured
 
 
@@ -233,15 +221,11 @@ def _joint_rows(bus: "ServoBus", m: "Measured") -> list[dict[str, Any]]:
 def _joint_table(bus: "ServoBus", measured: "Measured") -> Any:
     cells = [
         (
-            row["joint"],
-            f"{row['angle_deg']:.1f}",
-            f"{100 * row['load']:.0f} %",
-            f"{row['voltage_V']:.1f}",
-            f"{row['temperature_C']:.0f}",
-            row["error"] or "none",
+            row["joint"], f"{row['angle_deg']:.1f}", f"{100 * row['load']:.0f} %", f"{row['voltage_V']:.1f}",
+            f"{row['temperature_C']:.0f}", row["error"] or "none",
         )
         for row in _joint_rows(bus, measured)
-    ]
+    ]  # fmt: skip
     c = bus.counters
     caption = f"{c.sent} asked, {c.answered} answered, {c.lost} lost, {c.corrupted} damaged, {c.wrong} wrong"
     return make_table(("joint", "deg", "load", "V", "C", "error"), cells, caption)

@@ -51,18 +51,18 @@ def teleop(
     from ..robot.file import find, load_robot
     from ..robot.gait_file import with_gait
     from ..teleop.session import Options, Session
-    from ._hardware import hardware
+    from ._hardware import hardware, kind_of_hardware
 
-    _check(measure, direct, sim)
-    _check_keep(keep, log)
+    _check(measure, direct, sim, keep, log)
     quiet = headless or as_json or measure is not None
     if not quiet and not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise UserError("no terminal for the keyboard: add --headless, with --web, --foxglove, --gamepad or --socket")
     if honest is not None and not sim:
         raise UserError(f"--{'honest' if honest else 'simple'}: only with --sim")
     loaded = with_gait(load_robot(robot).simulated(honest), gait)
-    which, space = _which(loaded.actuator.kind, sim, direct), _in_space(where, sim)
-    parts = hardware(loaded, which, port, calibration, str(find(robot)), imu, space)
+    parts = hardware(
+        loaded, kind_of_hardware(loaded, sim, direct), port, calibration, str(find(robot)), imu, _in_space(where, sim)
+    )
     options = Options(
         robot=robot,
         web=web,
@@ -76,7 +76,8 @@ def teleop(
         measure_s=measure,
         terminal=not quiet,
     )
-    session = Session(options, loaded, parts, _quiet if as_json else say, lambda: signal.alarm(END_MOST_S))
+    told = (lambda line: None) if as_json else say  # with --json only the result is printed
+    session = Session(options, loaded, parts, told, lambda: signal.alarm(END_MOST_S))
     try:
         figures = session.run()
         if as_json:
@@ -89,14 +90,11 @@ def teleop(
     return NOT_ACHIEVED if failed else 0
 
 
-def _check(measure: float | None, direct: bool, sim: bool) -> None:
+def _check(measure: float | None, direct: bool, sim: bool, keep: float | None, log: Path | None) -> None:
     if measure is not None and not 1 <= measure <= 3600:
         raise UserError(f"--measure {measure:g}: allowed 1 .. 3600 s")
     if direct and not sim:
         raise UserError("--direct: only with --sim")
-
-
-def _check_keep(keep: float | None, log: Path | None) -> None:
     if keep is not None and not 0.01 <= keep <= 100_000:
         raise UserError(f"--keep {keep:g}: allowed 0.01 .. 100000 GB")
     if keep is not None and log is None:
@@ -110,17 +108,6 @@ def _in_space(where: str | None, sim: bool) -> bool:
     if where is not None and not sim:
         raise UserError(f"--in {where}: only with --sim")
     return sim and (where == "space" or (where is None and find_spec("mujoco") is not None))
-
-
-def _which(kind: str, sim: bool, direct: bool) -> str:
-    """Return the kind of hardware: brushless joints have no servo bus to emulate."""
-    if not sim:
-        return "real"
-    return "simulated" if direct or kind != "servo" else "emulated"
-
-
-def _quiet(line: str) -> None:
-    """With --json only the result is printed."""
 
 
 def _show(figures: dict[str, Any]) -> None:

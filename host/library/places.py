@@ -48,7 +48,7 @@ class Place:
 
 
 def find_place(name: str, robot: Robot, port: str | None, calibration: Path | None, imu: str | None,
-               honest: bool | None = None) -> Place:
+               honest: bool | None) -> Place:
     """Return a place; BadValue for an unknown name, or if the robot has no such bus.
 
     ``port`` and ``calibration``: see control/hardware.py; ``imu``: "" for the usual one, None for none, or where it is.

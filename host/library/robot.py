@@ -82,7 +82,7 @@ class Robot:
         with own_words():
             self._run = Run(self._file, self._place, self._record)
         self._run.send({"type": "gait", "gait": self._gait})
-        self._run.wait()
+        self._run.ticks.wait()
         return self
 
     def close(self) -> None:
@@ -170,7 +170,7 @@ class Robot:
         """
         run = self._opened
         for _ in range(round(finite("seconds", seconds, 0.0, LONGEST_S, "s") * run.rate_hz)):
-            run.wait()
+            run.ticks.wait()
         return run.findings()
 
     # --- postures
@@ -214,10 +214,9 @@ class Robot:
         before, self._pose = self._pose, (shift_m[0], shift_m[1], shift_m[2], turn[0], turn[1], turn[2])
         way = [abs(now - then) for now, then in zip(self._pose, before, strict=True)]
         seconds = max(max(way[:3]) / limits.shift_m_s, max(way[3:]) / limits.turn_rad_s)
-        run.sticks = Drive(pose=self._pose)
-        for _ in range(round(seconds * run.rate_hz) + 1):
-            run.tick()
-        run.sticks = None
+        with run.driving(Drive(pose=self._pose)):
+            for _ in range(round(seconds * run.rate_hz) + 1):
+                run.tick()
 
     def stop(self) -> None:
         """Emergency stop: let the joints go at once, from any thread. It stays so until ``reset``.
@@ -258,8 +257,7 @@ class Robot:
         if (seconds is None) == (distance_m is None):
             raise BadValue("walk: give either seconds or distance_m")
         if seconds is not None:
-            seconds = finite("seconds", seconds, 0.0, LONGEST_S, "s")
-            self._walk_for(sticks, seconds)
+            self._walk_for(sticks, finite("seconds", seconds, 0.0, LONGEST_S, "s"))
             return
         distance_m = finite("distance_m", distance_m, 0.0, 1000.0, "m")
         speed_m_s = hypot(sticks.vx_m_s, sticks.vy_m_s)
@@ -285,10 +283,8 @@ class Robot:
             run.sticks = Drive(wz_rad_s=copysign(wz_rad_s, left_rad), pose=self._pose)
             return abs(left_rad) < TURNED_RAD
 
-        try:
+        with run.driving(None):
             run.until(there, most_s, f"turn by {deg:g} deg")
-        finally:
-            run.sticks = None
         self._halt()
 
     def _sticks(self, vx_m_s: float, vy_m_s: float, wz_rad_s: float) -> Drive:
@@ -305,12 +301,9 @@ class Robot:
 
     def _walk_for(self, sticks: Drive, seconds: float) -> None:
         run = self._standing()
-        run.sticks = sticks
-        try:
+        with run.driving(sticks):
             for _ in range(round(seconds * run.rate_hz)):
                 run.tick()
-        finally:
-            run.sticks = None
         self._halt()
 
     def _walk_way(self, sticks: Drive, distance_m: float, most_s: float) -> None:
@@ -324,23 +317,17 @@ class Robot:
             now = run.sensed.odometry
             return (now.x_m - start.x_m) * east + (now.y_m - start.y_m) * north
 
-        run.sticks = sticks
         try:
-            run.until(lambda now: gone_m() >= distance_m, most_s, f"walk {distance_m:g} m")
+            with run.driving(sticks):
+                run.until(lambda now: gone_m() >= distance_m, most_s, f"walk {distance_m:g} m")
         except NotAchieved as error:
             raise NotAchieved(f"{error}; the robot walked {gone_m():.3f} m") from None
-        finally:
-            run.sticks = None
         self._halt()
 
     def _halt(self) -> None:
         """Stop walking and return once the robot stands."""
-        run = self._opened
-        run.sticks = Drive(pose=self._pose)
-        try:
-            run.until(self._stands, STOP_MOST_S, "stop")
-        finally:
-            run.sticks = None
+        with self._opened.driving(Drive(pose=self._pose)):
+            self._opened.until(self._stands, STOP_MOST_S, "stop")
 
     def _standing(self) -> Run:
         """Return the run of a robot that stands, or that will stand after a stream."""
@@ -391,7 +378,7 @@ class Robot:
         finally:
             self._joint_rad_s = run.sticks = None
             if self._run is run:
-                run.do(run.supervisor.stream.end)
+                run.ticks.do(run.supervisor.stream.end)
 
     def set_speed(self, vx_m_s: float = 0.0, vy_m_s: float = 0.0, wz_rad_s: float = 0.0) -> None:
         """Walk at these speeds until the next turn of a loop over ``stream``; the ranges are those of ``walk``."""
@@ -418,7 +405,7 @@ class Robot:
                 joints.begin(run.supervisor.goals, joint_rad_s, run.loop.clock())
             limited.extend(joints.wish(goals, run.loop.clock()))
 
-        run.do(wish)
+        run.ticks.do(wish)
         return tuple(JOINT_NAMES[joint] for joint in limited)
 
     def _streaming(self, what: str) -> float:

@@ -1,8 +1,8 @@
 """An open robot: its supervisor, its ticks, the values after each, and its record."""
 
 import time
-from collections.abc import Callable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 from ..control.arbiter import Client
@@ -15,7 +15,7 @@ from ..robot.model import Robot
 from .errors import Error, Fault, NotAchieved
 from .places import Place
 from .sensed import Sensed
-from .ticks import SimulatedTicks, ThreadTicks, Ticks
+from .ticks import SimulatedTicks, ThreadTicks
 
 CLIENT = Client("script")
 # Walking to a stop, sitting down and letting go take a few seconds; after this the robot is let go where it is.
@@ -23,7 +23,10 @@ LEAVING_S = 20.0
 
 
 class Run:
-    """From start-up checks to letting go. ``sticks``: the command, sent again in every tick with a waiting caller."""
+    """From start-up checks to letting go. ``sticks``: the command, sent again in every tick with a waiting caller.
+
+    ``ticks`` may be waited for in whatever state the robot is.
+    """
 
     def __init__(self, robot: Robot, place: Place, record: Path | None) -> None:
         self.robot, self.place = robot, place
@@ -38,14 +41,13 @@ class Run:
             self._first = status(self.loop, Extra())
             if record is not None:
                 self._add_record(opened, record)
-            self._ticks = self._make_ticks()
-            self._ticks.start()
+            self.ticks: SimulatedTicks | ThreadTicks
+            if place.advance is not None:
+                self.ticks = SimulatedTicks(self.loop, place.advance)
+            else:
+                self.ticks = ThreadTicks(self.loop, place.hardware.bus.emergency_stop)
+            self.ticks.start()
             self._stack = opened.pop_all()
-
-    def _make_ticks(self) -> Ticks:
-        if self.place.advance is not None:
-            return SimulatedTicks(self.loop, self.place.advance)
-        return ThreadTicks(self.loop, self.place.hardware.bus.emergency_stop)
 
     def _add_record(self, stack: ExitStack, path: Path) -> None:
         from ..records.log import LoopLog, about
@@ -64,13 +66,14 @@ class Run:
 
     def _after_tick(self, loop: Loop) -> None:
         supervisor = loop.supervisor
+        fault = supervisor.safety.sentence if supervisor.arbiter.stop is None else "emergency stop"
         measured, attitude = supervisor.measured, supervisor.attitude
         rates = self.place.hardware.attitude.rates_rad_s if attitude is not None else None
         swinging = supervisor.driver.planner.status.swinging if supervisor.driver.state == "walking" else 0
         self.sensed = Sensed(
             time_s=loop.clock(),
             state=supervisor.state,
-            fault=self._fault(),
+            fault=fault,
             remark=supervisor.remark,
             joints_rad=measured.position_rad,
             speed_rad_s=measured.speed_rad_s,
@@ -85,30 +88,18 @@ class Run:
             odometry=supervisor.driver.odometry,
         )
         self._log(loop)
-        self._ticks.ticked()
-
-    def _fault(self) -> str:
-        stop = self.supervisor.arbiter.stop
-        return "emergency stop" if stop is not None else self.supervisor.safety.sentence
+        self.ticks.ticked()
 
     def send(self, message: Message) -> None:
         """Give the loop a message; Error if it refuses."""
-        if not self._ticks.do(lambda: self.loop.receive(CLIENT, message)):
+        if not self.ticks.do(lambda: self.loop.receive(CLIENT, message)):
             raise Error(f"refused: {self.supervisor.arbiter.refusal}")
-
-    def do(self, what: Callable[[], object]) -> None:
-        """Call something between two ticks."""
-        self._ticks.do(what)
-
-    def wait(self) -> None:
-        """Return after the next tick, in whatever state the robot is then."""
-        self._ticks.wait()
 
     def findings(self) -> tuple[Finding, ...]:
         """Return the verdict on each part, over the time since the robot was opened."""
         extra = Extra()
         extra.look_at(self.place.hardware.attitude)
-        last = self._ticks.do(lambda: status(self.loop, extra))
+        last = self.ticks.do(lambda: status(self.loop, extra))
         return tuple(findings(about(self.robot, self.place.hardware), self._first, last))
 
     def tick(self) -> Sensed:
@@ -118,7 +109,7 @@ class Run:
         """
         if self.sticks is not None:
             self.send(self.sticks.message())
-        self.wait()
+        self.ticks.wait()
         if self.sensed.fault:
             self.sticks = None
             raise Fault(self.sensed.fault)
@@ -126,6 +117,15 @@ class Run:
             self.sticks = None
             raise NotAchieved(self.supervisor.driver.lifted)
         return self.sensed
+
+    @contextmanager
+    def driving(self, sticks: Drive | None) -> Iterator[None]:
+        """Repeat a command in the ticks of the block, and none after it."""
+        self.sticks = sticks
+        try:
+            yield
+        finally:
+            self.sticks = None
 
     def until(self, done: Callable[[Sensed], bool], most_s: float, what: str) -> None:
         """Tick until ``done``; NotAchieved, with the reason, after a time."""
@@ -139,8 +139,8 @@ class Run:
     def emergency_stop(self) -> None:
         """Let go at once; may be called from another thread."""
         self.place.hardware.bus.emergency_stop()
-        self._ticks.do(lambda: self.loop.receive(CLIENT, {"type": "stop"}))
-        self.wait()
+        self.ticks.do(lambda: self.loop.receive(CLIENT, {"type": "stop"}))
+        self.ticks.wait()
 
     def close(self) -> None:
         """Sit down, let go, and end everything; let go at once if sitting down is not possible."""
@@ -150,13 +150,13 @@ class Run:
             self.place.hardware.bus.emergency_stop()
             raise
         finally:
-            self._ticks.close()
+            self.ticks.close()
             self._stack.close()
 
     def _sit_down(self) -> None:
-        self._ticks.do(self.supervisor.leave)
+        self.ticks.do(self.supervisor.leave)
         for _ in range(round(LEAVING_S * self.rate_hz)):
             if not self.supervisor.armed:
                 return
-            self.wait()
+            self.ticks.wait()
         raise NotAchieved(f"the robot did not sit down within {LEAVING_S:g} s, so its joints were let go where it is")

@@ -6,7 +6,6 @@ all requests, between two ticks.
 
 import queue
 import threading
-from abc import ABC, abstractmethod
 from collections.abc import Callable
 from concurrent.futures import Future
 from math import inf
@@ -20,59 +19,43 @@ Answer = TypeVar("Answer")
 TICK_MOST_S = 5.0  # a loop that has not ticked for this long hangs, because a bus waits no longer than a tick
 
 
-class Ticks(ABC):
-    """Ticks of one loop; ``do`` calls something between two of them and returns its answer."""
+class SimulatedTicks:
+    """Simulated time, which passes only while a caller waits, as fast as it is computed."""
 
     came_s = inf  # see control/loop.py, Source
-
-    def start(self) -> None:
-        """Begin: functions to call after each tick may be called from now on."""
-        return
-
-    def ticked(self) -> None:
-        """End a tick: all its values are known now."""
-        return
-
-    @abstractmethod
-    def do(self, what: Callable[[], Answer]) -> Answer:
-        """Call it between two ticks."""
-
-    @abstractmethod
-    def wait(self) -> None:
-        """Return after the next tick; Error if there are no more ticks."""
-
-    @abstractmethod
-    def close(self) -> None:
-        """End the ticks; may be called twice."""
-
-
-class SimulatedTicks(Ticks):
-    """Simulated time, which passes only while a caller waits, as fast as it is computed."""
 
     def __init__(self, loop: Loop, advance: Callable[[float], None]) -> None:
         self._loop, self._advance = loop, advance
         self._alone = threading.RLock()  # a stop may come from another thread
 
+    def start(self) -> None:
+        """Begin: functions to call after each tick may be called from now on."""
+
     def poll(self, timeout_s: float) -> None:
         """See Source: nothing comes from elsewhere."""
 
+    def ticked(self) -> None:
+        """End a tick: all its values are known now."""
+
     def do(self, what: Callable[[], Answer]) -> Answer:
-        """See Ticks."""
+        """Call something between two ticks and return its answer."""
         with self._alone, own_words():
             return what()
 
     def wait(self) -> None:
-        """See Ticks."""
+        """Return after the next tick; Error if there are no more ticks."""
         with self._alone, own_words():
             self._loop.tick(self)
             self._advance(self._loop.pacer.period_s)
 
     def close(self) -> None:
-        """See Ticks."""
+        """End the ticks; may be called twice."""
 
 
-class ThreadTicks(Ticks):
-    """The loop in a thread; ``stop`` is called there if it fails."""
+class ThreadTicks:
+    """The same for a loop in a thread; ``stop`` is called there if it fails."""
+
+    came_s = inf
 
     def __init__(self, loop: Loop, stop: Callable[[], None]) -> None:
         self._loop, self._stop = loop, stop
@@ -82,7 +65,7 @@ class ThreadTicks(Ticks):
         self._thread = threading.Thread(target=self._run, name="caramelo loop", daemon=True)
 
     def start(self) -> None:
-        """See Ticks."""
+        """See SimulatedTicks."""
         self._thread.start()
 
     def _run(self) -> None:
@@ -92,8 +75,7 @@ class ThreadTicks(Ticks):
         except BaseException as error:  # the waiting caller gets the error; the joints must not go on without a loop
             self._failure = error
             self._stop()
-        with self._ticked:
-            self._ticked.notify_all()
+        self.ticked()
 
     def poll(self, timeout_s: float) -> None:
         """See Source: do the requests, and wait for them up to a time."""
@@ -113,12 +95,12 @@ class ThreadTicks(Ticks):
             answer.set_exception(error)
 
     def ticked(self) -> None:
-        """See Ticks; called by the loop's thread."""
+        """See SimulatedTicks; called by the loop's thread."""
         with self._ticked:
             self._ticked.notify_all()
 
     def do(self, what: Callable[[], Answer]) -> Answer:
-        """See Ticks; Error if the loop has ended or hangs."""
+        """See SimulatedTicks; Error if the loop has ended or hangs."""
         answer: Future[Answer] = Future()
         self._asked.put((what, answer))
         try:
@@ -129,7 +111,7 @@ class ThreadTicks(Ticks):
             raise self._gone() from None
 
     def wait(self) -> None:
-        """See Ticks."""
+        """See SimulatedTicks."""
         with self._ticked:
             ticked = self._thread.is_alive() and self._ticked.wait(TICK_MOST_S)
         self._check()
@@ -145,7 +127,7 @@ class ThreadTicks(Ticks):
         return Error(f"the control loop {why}; the joints have been let go")
 
     def close(self) -> None:
-        """See Ticks."""
+        """See SimulatedTicks."""
         self._loop.end()
         self._asked.put((lambda: None, Future()))  # wakes it up
         if threading.current_thread() is not self._thread:

@@ -4,7 +4,6 @@ import csv
 import json
 from collections.abc import Iterator
 from contextlib import ExitStack
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,14 +16,6 @@ from .values import BadValue
 JOINT_LABELS = [f"{leg}_{joint}" for leg in LEG_NAMES for joint in JOINT_NAMES]
 
 
-@dataclass(frozen=True)
-class Table:
-    """One channel's CSV file while it is written."""
-
-    writer: Any
-    columns: list[str]
-
-
 def export_csv(record: Record, folder: Path, progress: Progress = lambda done: None) -> list[Path]:
     """Write the files of a record that has been read to its end, all or none; return their paths.
 
@@ -33,25 +24,26 @@ UserError if a message is not a JSON object, or has other values than the first 
     paths = paths_of(record, folder)
     again = Record(record.path)
     with ExitStack() as stack, telling(again):
-        tables: dict[str, Table] = {}
+        writers: dict[str, Any] = {}
+        columns: dict[str, list[str]] = {}
         for channel, time_ns, data in messages(again, progress):
-            cells = dict(_cells(values_of(channel, data)))
-            if channel.topic not in tables:
-                tables[channel.topic] = _begin(stack, paths[channel.topic], list(cells))
-            table = tables[channel.topic]
-            if list(cells) != table.columns:
+            topic, cells = channel.topic, dict(_cells(values_of(channel, data)))
+            if topic not in writers:
+                columns[topic] = list(cells)
+                writers[topic] = _begin(stack, paths[topic], columns[topic])
+            if list(cells) != columns[topic]:
                 raise BadValue("it has other values than the first message: allowed: the same in every message")
-            table.writer.writerow([f"{(time_ns - record.start_ns) / 1e9:.6f}", *cells.values()])
+            writers[topic].writerow([f"{(time_ns - record.start_ns) / 1e9:.6f}", *cells.values()])
     return list(paths.values())
 
 
-def _begin(stack: ExitStack, path: Path, columns: list[str]) -> Table:
-    """Open a file that appears when the stack ends well."""
+def _begin(stack: ExitStack, path: Path, columns: list[str]) -> Any:
+    """Return the csv.writer of a file that appears when the stack ends well."""
     draft = stack.enter_context(atomic_path(path))
     file = stack.enter_context(draft.open("w", encoding="utf-8", errors="backslashreplace", newline=""))
-    table = Table(csv.writer(file, lineterminator="\n"), columns)
-    table.writer.writerow(["time_s", *columns])
-    return table
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(["time_s", *columns])
+    return writer
 
 
 def paths_of(record: Record, folder: Path) -> dict[str, Path]:

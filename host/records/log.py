@@ -44,7 +44,7 @@ class LoopLog:
     """Passes every tick of a loop to a recorder."""
 
     def __init__(self, recorder: Recorder) -> None:
-        self.recorder = recorder
+        self._time_ns, self._put = recorder.time_ns, recorder.put
         self._tick = 0
         self._scene: Scene | None = None
         self._fault: Any = None
@@ -86,7 +86,7 @@ class LoopLog:
     def _draw(self, supervisor: Supervisor, now_s: float) -> None:
         """Record the messages for viewers: the robot's parts once a second, their places 25 times."""
         scene = self._scene = self._scene or Scene(supervisor.robot)
-        rate_hz, time_ns = supervisor.driver.rate_hz, self.recorder.time_ns(now_s)
+        rate_hz, time_ns = supervisor.driver.rate_hz, self._time_ns(now_s)
         measured, drawn = supervisor.measured, dict[str, dict[str, Any]]()
         if self._tick % rate_hz == 0:
             drawn |= scene.parts(time_ns)
@@ -108,9 +108,6 @@ class LoopLog:
         if fault is not None and fault is not self._fault:
             self._put("/fault", now_s, {"cause": fault.cause, "action": fault.action, "sentence": fault.sentence})
         self._fault = fault
-
-    def _put(self, topic: str, time_s: float, values: dict[str, Any]) -> None:
-        self.recorder.put(topic, time_s, values)
 
 
 def _command(supervisor: Supervisor) -> dict[str, Any]:

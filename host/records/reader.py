@@ -1,5 +1,6 @@
 """Reads a record, even one cut off by a power failure: reads the intact part, and reports the damage."""
 
+import json
 import struct
 from collections import Counter
 from collections.abc import Callable, Collection, Iterator, Mapping
@@ -12,7 +13,7 @@ from ..util.errors import UserError
 from .channels import CHANNELS
 from .parts import BadPart, Channel, Message, NoMcap, Part, parts
 from .recorder import ROBOT
-from .values import BadValue, Rows, read_object
+from .values import BadValue, Rows
 
 Fields = Mapping[str, Collection[str]]  # topic -> wanted fields
 Progress = Callable[[float], None]  # takes the bytes read so far
@@ -126,7 +127,13 @@ def values_of(channel: Channel, data: bytes) -> dict[str, Any]:
     """Return a message's values; BadValue if it has none."""
     if channel.encoding != "json":
         raise BadValue(f"its encoding is {channel.encoding or 'not given'}: allowed: json")
-    return read_object(data)
+    try:
+        values = json.loads(data.decode())
+    except (ValueError, RecursionError) as error:
+        raise BadValue(f"not JSON ({type(error).__name__}): allowed: a JSON object") from None
+    if not isinstance(values, dict):
+        raise BadValue(f"JSON, but a {type(values).__name__}: allowed: a JSON object")
+    return values
 
 
 @contextmanager

@@ -4,7 +4,7 @@ Frames: ``odom`` is where the robot stood up, level, z = 0 on the ground; ``base
 URDF's (host/robot/shapes.py), so that a viewer may take either. Lengths in m, angles as quaternions, to 1e-5.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from math import cos, pi, sin
 from typing import Any
 
@@ -35,12 +35,9 @@ class Scene:
 
     def parts(self, time_ns: int) -> Messages:
         """Return the robot's shapes and its URDF, which do not change."""
-        entities = [_entity(name, list(found), time_ns) for name, found in self._by_link()]
+        links = dict.fromkeys(shape.link for shape in self._shapes)
+        entities = [_entity(link, [each for each in self._shapes if each.link == link], time_ns) for link in links]
         return {"/scene": {"entities": entities}, "/robot_description": self._description}
-
-    def _by_link(self) -> Iterator[tuple[str, Iterator[Shape]]]:
-        for link in dict.fromkeys(shape.link for shape in self._shapes):
-            yield link, (shape for shape in self._shapes if shape.link == link)
 
     def places(
         self,

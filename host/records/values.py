@@ -1,13 +1,12 @@
-"""A channel's messages: JSON, checked against what the channel holds (channels.py) and kept in columns of numbers.
+"""A channel's messages, checked against what the channel holds (channels.py) and kept in columns of numbers.
 
 An hour is over a million messages; as columns they take a tenth of the memory.
 """
 
-import json
 from array import array
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
-from typing import Any, overload
+from typing import Any
 
 from .channels import CHANNELS
 
@@ -61,7 +60,7 @@ class Column:
         return self.all[row] if self.width is None else list(self.all[row * self.width : (row + 1) * self.width])
 
 
-class Rows(Sequence[Row]):
+class Rows:
     """The messages of a topic, some fields of each."""
 
     def __init__(self, topic: str, fields: Collection[str]) -> None:
@@ -80,26 +79,9 @@ class Rows(Sequence[Row]):
     def __len__(self) -> int:
         return len(self.times_ns)
 
-    @overload
-    def __getitem__(self, at: int) -> Row: ...
+    def __iter__(self) -> Iterator[Row]:
+        return map(self.__getitem__, range(len(self)))
 
-    @overload
-    def __getitem__(self, at: slice) -> list[Row]: ...
-
-    def __getitem__(self, at: int | slice) -> Row | list[Row]:
-        places = range(len(self))[at]
-        return self._row(places) if isinstance(places, int) else [self._row(place) for place in places]
-
-    def _row(self, at: int) -> Row:
+    def __getitem__(self, at: int) -> Row:
+        at = range(len(self))[at]
         return Row(self.times_ns[at], {name: column.of(at) for name, column in self.columns.items()})
-
-
-def read_object(data: bytes) -> dict[str, Any]:
-    """Return a message's JSON object; BadValue if it is not one."""
-    try:
-        values = json.loads(data.decode())
-    except (ValueError, RecursionError) as error:
-        raise BadValue(f"not JSON ({type(error).__name__}): allowed: a JSON object") from None
-    if not isinstance(values, dict):
-        raise BadValue(f"JSON, but a {type(values).__name__}: allowed: a JSON object")
-    return values

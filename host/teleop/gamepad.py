@@ -4,8 +4,8 @@ A pad reports only changes, so a held stick reports nothing. While the dead-man 
 last position is sent again and again; after its release nothing is sent, and the robot stops.
 """
 
-import os
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 from ..control.arbiter import Client
@@ -88,7 +88,7 @@ def open_gamepad(robot: Robot, fastest: Fastest, path: str, opener: Callable[[st
         import evdev
 
         opener = evdev.InputDevice
-    for each in _candidates() if path == "auto" else [path]:
+    for each in sorted(map(str, Path("/dev/input").glob("event*"))) if path == "auto" else [path]:
         try:
             device = opener(each)
         except PermissionError:
@@ -98,12 +98,6 @@ def open_gamepad(robot: Robot, fastest: Fastest, path: str, opener: Callable[[st
         if BTN_SOUTH in device.capabilities().get(EV_KEY, []):
             return Gamepad(robot, fastest, device)
     raise UserError("--gamepad: no gamepad found: plug one in or pair one; ls /dev/input/event* shows the devices")
-
-
-def _candidates() -> list[str]:
-    folder = "/dev/input"
-    names = os.listdir(folder) if os.path.isdir(folder) else []
-    return sorted(f"{folder}/{name}" for name in names if name.startswith("event"))
 
 
 def _range(device: Any, axis: int) -> tuple[int, int]:

@@ -13,6 +13,7 @@ import stat
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from math import inf
 from pathlib import Path
 from typing import Any, Protocol
@@ -45,7 +46,7 @@ class Input(Protocol):
         """Return its present messages. OSError if it is gone."""
 
 
-@dataclass(eq=False)
+@dataclass
 class Script:
     """A script's connection, and how many messages it may still send."""
 
@@ -54,12 +55,8 @@ class Script:
     messages: Bucket
     excess: int = 0
 
-    def fileno(self) -> int:
-        """Let select() wait for it."""
-        return self.lines.fileno()
 
-
-@dataclass(eq=False)
+@dataclass
 class Side:
     """A process that speaks for many clients of one source, pages or viewers."""
 
@@ -67,10 +64,6 @@ class Side:
     lines: Lines
     news: Callable[[dict[str, Any]], None]
     clients: set[Client] = field(default_factory=set)
-
-    def fileno(self) -> int:
-        """Let select() wait for it."""
-        return self.lines.fileno()
 
 
 class Hub:
@@ -100,7 +93,10 @@ class Hub:
     def listen(self, where: str) -> None:
         """Let scripts connect to a Unix socket's path, or to a port number on 127.0.0.1."""
         try:
-            self._listener = _on_port(int(where)) if where.isdigit() else _on_path(Path(where))
+            if where.isdigit():
+                self._listener = socket.create_server(("127.0.0.1", int(where)), backlog=MOST_SCRIPTS)
+            else:
+                self._listener = _on_path(Path(where))
         except (OSError, OverflowError) as error:
             raise UserError(f"--socket {where}: can't listen there: {error}") from None
         self._path = None if where.isdigit() else Path(where)
@@ -133,18 +129,14 @@ class Hub:
 
     def poll(self, timeout_s: float) -> None:
         """Wait up to ``timeout_s`` for anything and take it."""
-        every: tuple[Any, ...] = (*self._inputs, self._listener, *self._sides.values(), *self._scripts.values())
-        waiting = [each for each in every if each]
-        for each in self._look(waiting, timeout_s):
+        hear: dict[Any, Callable[[], None]] = {each: partial(self._hear_input, each) for each in self._inputs}
+        if self._listener is not None:
+            hear[self._listener] = self._accept
+        hear |= {side.lines: partial(self._hear_side, side) for side in self._sides.values()}
+        hear |= {script.lines: partial(self._hear_script, script) for script in self._scripts.values()}
+        for each in self._look(list(hear), timeout_s):
             self.came_s = self._quiet_s[each]
-            if each is self._listener:
-                self._accept()
-            elif isinstance(each, Side):
-                self._hear_side(each)
-            elif isinstance(each, Script):
-                self._hear_script(each)
-            else:
-                self._hear_input(each)
+            hear[each]()
         self.came_s = inf
 
     def _look(self, waiting: list[Any], timeout_s: float) -> list[Any]:
@@ -173,10 +165,11 @@ class Hub:
 
     def close(self) -> None:
         """Hang up on everybody and remove the socket's file."""
+        if self._listener is not None:
+            self._listener.close()
         connected: list[Side | Script] = [*self._sides.values(), *self._scripts.values()]
-        for each in (self._listener, *(other.lines for other in connected)):
-            if each is not None:
-                each.close()
+        for each in connected:
+            each.lines.close()
         if self._path is not None:
             self._path.unlink(missing_ok=True)
 
@@ -227,16 +220,12 @@ class Hub:
     def _hear_side(self, side: Side) -> None:
         try:
             for line in side.lines.receive():
-                self._try_side(line, side)
+                try:
+                    self._take_side(line, side)
+                except (ValueError, KeyError, TypeError):  # must not cost the next line, which may be a stop
+                    self.bad += 1
         except Gone:
             self.lose_side(side.source)
-
-    def _try_side(self, line: bytes, side: Side) -> None:
-        """Handle a line; a bad one must not cost the next one, which may be a stop."""
-        try:
-            self._take_side(line, side)
-        except (ValueError, KeyError, TypeError):
-            self.bad += 1
 
     def _take_side(self, line: bytes, side: Side) -> None:
         """Handle a client's message, the loss of a client, or news of the process itself."""
@@ -287,7 +276,7 @@ def _from_the_last_stop(lines: Iterator[bytes]) -> Iterator[bytes]:
     kept, gone = list[bytes](), None
     try:
         for line in lines:
-            if b'"stop"' in line:
+            if STOP in line:
                 kept.clear()
             kept.append(line)
     except Gone as error:
@@ -295,10 +284,6 @@ def _from_the_last_stop(lines: Iterator[bytes]) -> Iterator[bytes]:
     yield from kept
     if gone is not None:
         raise gone
-
-
-def _on_port(port: int) -> socket.socket:
-    return socket.create_server(("127.0.0.1", port), backlog=MOST_SCRIPTS)
 
 
 def _on_path(path: Path) -> socket.socket:

@@ -87,11 +87,6 @@ class Keys:
     balance: bool = True
     pose: list[float] = field(default_factory=lambda: [0.0] * 6)
 
-    @property
-    def _pose_limits(self) -> tuple[float, ...]:
-        limits = self.robot.body_limits
-        return (limits.x_m, limits.y_m, limits.z_m, *limits.angles_rad)
-
     def message(self, key: str) -> Message | None:
         """Return a key's message, or None."""
         if key == " ":
@@ -114,8 +109,8 @@ class Keys:
         if key in DRIVE_KEYS:
             return self._drive(*DRIVE_KEYS[key])
         if key in POSE_KEYS:
-            axis, direction = POSE_KEYS[key]
-            limit = self._pose_limits[axis]
+            (axis, direction), limits = POSE_KEYS[key], self.robot.body_limits
+            limit = (limits.x_m, limits.y_m, limits.z_m, *limits.angles_rad)[axis]
             moved = self.pose[axis] + direction * limit / POSE_STEPS
             self.pose[axis] = max(-limit, min(limit, moved))
         elif key == "h":

@@ -44,15 +44,14 @@ class Lines:
             raise Gone
 
     def send(self, value: dict[str, Any]) -> None:
-        """Send an object, or drop it if the other side does not read; Gone if the other side is gone."""
+        """Send an object, what the other side does not take now with the next one; Gone if the other side is gone.
+
+        While it leaves too much unread, objects are dropped.
+        """
         if len(self._unsent) > LONGEST_BACKLOG:
             self.dropped += 1
         else:
             self._unsent += json.dumps(value, separators=(",", ":")).encode() + b"\n"
-        self.flush()
-
-    def flush(self) -> None:
-        """Send as much as the other side takes now."""
         try:
             while self._unsent:
                 del self._unsent[: self.socket.send(self._unsent)]

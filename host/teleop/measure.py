@@ -25,7 +25,7 @@ class Measure:
         self._seconds, self._vx_m_s, self._page_cpu_s = seconds, SPEED_SHARE * vx_m_s, page_cpu_s
         self._began_s: float | None = None
         self._sent_s = self._asked_s = 0.0
-        self._busy_s = self._page_s = self._wall_s = 0.0
+        self._busy_s = self._page_s = 0.0
         self._missed_before = 0
         self.done = False
         self.failure = ""
@@ -49,11 +49,11 @@ class Measure:
         elif now_s - self._began_s < self._seconds:
             loop.receive(CLIENT, self._stick())
         else:
-            self._end(loop, now_s)
+            self._end(loop, now_s - self._began_s)
 
     def _begin(self, loop: Loop, now_s: float) -> None:
         """Begin the figures with the walk: standing up switches torque on, which takes longer than a tick."""
-        self._began_s, self._wall_s = now_s, now_s
+        self._began_s = now_s
         self._busy_s, self._page_s = time.process_time(), self._page_cpu_s()
         self._ticks_before, self._missed_before = loop.pacer.ticks, loop.pacer.missed
         loop.pacer.late_s.clear()
@@ -69,15 +69,15 @@ class Measure:
         now_ms = time.time() * 1000
         return {"type": "drive", "vx_m_s": self._vx_m_s, "vy_m_s": 0.0, "wz_rad_s": 0.0, "pose": LEVEL, "t_ms": now_ms}
 
-    def _end(self, loop: Loop, now_s: float) -> None:
+    def _end(self, loop: Loop, took_s: float) -> None:
         self.done = True
-        share = (time.process_time() - self._busy_s) / (now_s - self._wall_s)
-        page_share = (self._page_cpu_s() - self._page_s) / (now_s - self._wall_s)
+        share = (time.process_time() - self._busy_s) / took_s
+        page_share = (self._page_cpu_s() - self._page_s) / took_s
         timing = loop.timing()
         timing["ticks"] -= self._ticks_before
         timing["missed"] -= self._missed_before
         errors = loop.supervisor.bus.counters.errors
-        self.figures = {"seconds": round(now_s - self._wall_s, 2), **timing}
+        self.figures = {"seconds": round(took_s, 2), **timing}
         self.figures |= {"loop_cpu_share": round(share, 4), "page_cpu_share": round(page_share, 4)}
         self.figures["missed_standing_up"] = self._missed_before
         self.figures["bus_errors"] = errors

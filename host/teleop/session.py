@@ -14,13 +14,12 @@ from typing import Any
 
 from ..control import priority
 from ..control.arbiter import Client
-from ..control.hardware import Hardware, Stage
+from ..control.hardware import Hardware
 from ..control.loop import Loop
 from ..control.messages import Message
 from ..control.opening import open_supervisor
 from ..control.supervisor import Supervisor
 from ..control.telemetry import Extra, StartCheck, about, status
-from ..imu.attitude import Attitude
 from ..robot.file import find
 from ..robot.model import Robot
 from ..util.console import write_error
@@ -46,17 +45,17 @@ END_S = 6.0  # for record, page and screen together; a record on a slow disk tak
 class Options:
     """The options of the command line."""
 
-    robot: str = "caramelo"
-    web: bool = False
-    listen: str = "127.0.0.1:8080"
-    foxglove: bool = False
-    foxglove_port: int = 8765
-    log: Path | None = None
-    keep_GB: float | None = None
-    socket: str | None = None
-    gamepad: str | None = None
-    measure_s: float | None = None
-    terminal: bool = False
+    robot: str
+    web: bool
+    listen: str
+    foxglove: bool
+    foxglove_port: int
+    log: Path | None
+    keep_GB: float | None
+    socket: str | None
+    gamepad: str | None
+    measure_s: float | None
+    terminal: bool
 
 
 class Session:
@@ -71,7 +70,7 @@ class Session:
         robot: Robot,
         hardware: AbstractContextManager[Hardware],
         say: Callable[[str], None],
-        free: Callable[[], object] = lambda: None,
+        free: Callable[[], object],
     ) -> None:
         self.options, self.robot, self._hardware, self._say, self._free = options, robot, hardware, say, free
         self.extra = Extra()
@@ -85,16 +84,13 @@ class Session:
         self._qr: list[str] = []
         self._invitation = ""  # only for the terminal, because it contains the pairing code
         self._measure: Measure | None = None
-        self._attitude: Attitude | None = None
-        self._stage: Stage | None = None
 
     def run(self) -> dict[str, Any]:
         """Start, drive until told to leave, sit down; return the figures. UserError if a check fails."""
         with ExitStack() as stack:
             # Before the emulated servos start, so that they inherit it: they stand for hardware.
             self._note(StartCheck("priority", True, priority.ask()))
-            parts = stack.enter_context(self._hardware)
-            self._attitude, self._stage = parts.attitude, parts.stage
+            self._parts = parts = stack.enter_context(self._hardware)
             self.extra.ground = "" if parts.stage is None else next(iter(parts.stage.grounds))
             supervisor = open_supervisor(stack, self.robot, parts, self._note)
             loop = Loop(supervisor, self._after_tick)
@@ -212,14 +208,13 @@ class Session:
 
     def _choose_ground(self, loop: Loop, client: Client, message: Message) -> bool:
         """Put a simulated robot whose joints are off down on another ground; False if that can't be done."""
-        stage, supervisor, name = self._stage, loop.supervisor, message["ground"]
+        stage, supervisor, name = self._parts.stage, loop.supervisor, message["ground"]
         if stage is None or name not in stage.grounds or supervisor.armed or not loop.receive(client, message):
             return False
         stage.choose(name)
         self.extra.ground = name
         supervisor.driver.restart_odometry()
-        if self._attitude is not None:
-            self._attitude.align()
+        self._parts.attitude.align()
         return True
 
     def _after_tick(self, loop: Loop) -> None:
@@ -250,9 +245,8 @@ class Session:
             self.extra.web_counts = self._web.counts.refusals
         if self._foxglove is not None:
             self.extra.foxglove = self._foxglove.note
-        if self._attitude is not None:
-            self.extra.look_at(self._attitude)
-        self.extra.place = None if self._stage is None else self._stage.place()
+        self.extra.look_at(self._parts.attitude)
+        self.extra.place = None if self._parts.stage is None else self._parts.stage.place()
         news = status(loop, self.extra)
         hub.tell(news)
         if self._screen is not None:

@@ -11,7 +11,7 @@ import tty
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from shutil import get_terminal_size
-from typing import Any, TextIO
+from typing import Any
 
 from ..robot.model import JOINT_NAMES, LEG_NAMES
 from ..util.console import plain
@@ -38,10 +38,10 @@ def raw_keys(descriptor: int) -> Iterator[None]:
 class Screen:
     """Paints the newest status a few times a second until it is closed, or the terminal is gone."""
 
-    def __init__(self, secret: str = "", picture: Sequence[str] = (), stream: TextIO = sys.stdout) -> None:
+    def __init__(self, secret: str, picture: Sequence[str]) -> None:
         """``secret``: the page's pairing code, shown only here; ``picture``: shown if there is room."""
         self._secret, self._picture = secret, list(picture)
-        self._stream, self._status = stream, dict[str, Any]()
+        self._status: dict[str, Any] = {}
         self._done = threading.Event()
         self._thread = threading.Thread(target=self._paint, name="screen", daemon=True)
 
@@ -73,8 +73,8 @@ class Screen:
     def _write(self, text: str) -> bool:
         """Write to the terminal; False if it is gone, which must not end a drive before the robot sits."""
         try:
-            self._stream.write(text)
-            self._stream.flush()
+            sys.stdout.write(text)
+            sys.stdout.flush()
         except OSError:
             return False
         return True

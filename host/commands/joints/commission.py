@@ -1,6 +1,6 @@
 """`caramelo joints commission`: lets a joint measure its own motor, and prints the results."""
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -92,7 +92,7 @@ def _write(robot: str, out: Path, made: "list[Found]") -> None:
         middle = median(each)
         spread = max(abs(value / middle - 1) for value in each) if len(each) > 1 else None
         new = Measure(middle, spread).new(middle, "", date.today())
-        values[name] = new if name != "actuator.motor.pole_pairs" else _whole(new)
+        values[name] = replace(new, value=round(middle)) if name == "actuator.motor.pole_pairs" else new
     write_checked(find(robot), out, values)
 
 
@@ -111,12 +111,6 @@ def _measured(robot: str, made: "list[Found]") -> dict[str, list[float]]:
     found["actuator.motor.rotor_inertia_kg_m2"] = own if min(own) > 0 else []
     found["actuator.gear.backlash_deg"] = [one.backlash_deg for one in made if one.backlash_deg is not None]
     return {name: each for name, each in found.items() if each}
-
-
-def _whole(new: Any) -> Any:
-    from dataclasses import replace
-
-    return replace(new, value=round(new.value))
 
 
 def _tell(

@@ -1,6 +1,6 @@
 """`caramelo joints compare`: compares position loops in the joint with loops on the host, in the simulator."""
 
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
@@ -40,9 +40,7 @@ def compare(
     from ...robot.file import load_can_robot
 
     data, _ = load_can_robot(robot)
-    rows: list[dict[str, Any]] = []
-    for case in CASES:
-        rows.append(compared(data, *case, seconds).as_dict())
+    rows = [compared(data, *case, seconds).as_dict() for case in CASES]
     if as_json:
         write_json({"seconds": seconds, "walks": rows})
     else:

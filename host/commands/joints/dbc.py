@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ...util.console import say, screen, write_json
+from ...util.console import say, tell_written, write_json
 from ...util.errors import UserError
 from .options import Json
 
@@ -32,5 +32,5 @@ def dbc(
     if as_json:
         write_json({"file": str(out), "bytes": len(text.encode())})
     else:
-        screen().print(f"wrote {out}", soft_wrap=True)
+        tell_written([out])
     return 0

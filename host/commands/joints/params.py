@@ -8,7 +8,11 @@ import typer
 from ...util.console import print_table, screen, write_json
 from .options import Channel, Interface, Json, Node, RobotName, Sim, joints
 
+GROUP = typer.Typer(help="Read, write, save and compare the joints' parameters.", no_args_is_help=True)
+File = Annotated[Path | None, typer.Option("--file", metavar="FILE", help="A file that params save has written.")]
 
+
+@GROUP.command()
 def get(
     node: Node,
     names: Annotated[list[str] | None, typer.Argument(metavar="[NAME ...]", help="Default: all.")] = None,
@@ -31,6 +35,7 @@ def get(
     return 0
 
 
+@GROUP.command("set")
 def set_(
     node: Node,
     name: Annotated[str, typer.Argument(metavar="NAME")],
@@ -49,9 +54,7 @@ def set_(
     return 0
 
 
-File = Annotated[Path | None, typer.Option("--file", metavar="FILE", help="A file that params save has written.")]
-
-
+@GROUP.command()
 def save(
     node: Node, file: File = None, robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None,
     sim: Sim = False,
@@ -73,6 +76,7 @@ def save(
     return 0
 
 
+@GROUP.command()
 def restore(
     node: Node, file: File = None, robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None,
     sim: Sim = False,
@@ -97,6 +101,7 @@ def restore(
     return 0
 
 
+@GROUP.command()
 def diff(
     node: Node, file: File = None, robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None,
     sim: Sim = False, as_json: Json = False,

@@ -7,7 +7,7 @@ So nobody can block the server with idle connections, or with headers or bodies 
 import asyncio
 import socket
 import struct
-import time
+from collections import Counter
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
@@ -36,18 +36,14 @@ class Door:
     """Accepts connections and passes them to protocols that ``serve`` makes."""
 
     def __init__(
-        self,
-        listener: socket.socket,
-        serve: Callable[[], asyncio.Protocol],
-        clock: Callable[[], float] = time.monotonic,
-        waiting_s: float = WAITING_S,
+        self, listener: socket.socket, serve: Callable[[], asyncio.Protocol], waiting_s: float = WAITING_S
     ) -> None:
         listener.setblocking(False)
         self._listener, self._serve, self._loop = listener, serve, asyncio.get_running_loop()
         self._waiting_s = waiting_s
         self._guests: list[Guest] = []  # oldest first
         self._peers: dict[asyncio.BaseTransport, str] = {}  # also of pages
-        self._comings = PerPeer(lambda: Bucket(CONNECTIONS_PER_S, CONNECTION_BURST, clock))
+        self._comings = PerPeer(lambda: Bucket(CONNECTIONS_PER_S, CONNECTION_BURST))
         self._tasks: set[asyncio.Task[None]] = set()
         self.turned_away = 0
 
@@ -112,9 +108,7 @@ class Door:
         if len(own) >= MOST_EACH:
             self._send_away(own[0])
         elif len(self._guests) >= MOST:
-            counts = {each.peer: 0 for each in self._guests}
-            for guest in self._guests:
-                counts[guest.peer] += 1
+            counts = Counter(guest.peer for guest in self._guests)
             self._send_away(max(self._guests, key=lambda guest: counts[guest.peer]))
 
     @staticmethod

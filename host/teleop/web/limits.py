@@ -1,5 +1,6 @@
 """Rate limits: a bucket of tokens, and one thing per peer for a bounded number of peers."""
 
+import time
 from collections import OrderedDict
 from collections.abc import Callable
 from typing import Generic, TypeVar
@@ -12,7 +13,7 @@ MESSAGES_PER_S, BURST = 60.0, 60  # of a page, or of one of Foxglove's viewers
 class Bucket:
     """``take`` is true while there is a token: ``burst`` at once, ``rate`` a second."""
 
-    def __init__(self, per_s: float, burst: int, clock: Callable[[], float]) -> None:
+    def __init__(self, per_s: float, burst: int, clock: Callable[[], float] = time.monotonic) -> None:
         self._per_s, self._burst, self._clock = per_s, burst, clock
         self._tokens, self._last_s = float(burst), clock()
 
@@ -41,6 +42,3 @@ class PerPeer(Generic[Kept]):
                 self._kept.popitem(last=False)
         self._kept.move_to_end(peer)
         return self._kept[peer]
-
-    def __len__(self) -> int:
-        return len(self._kept)

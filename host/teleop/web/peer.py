@@ -12,12 +12,8 @@ from typing import Any
 
 SOCK_DIAG_BY_FAMILY, NLM_F_REQUEST = 20, 1
 NO_COOKIE, ALL_STATES = 0xFFFFFFFF, 0xFFFFFFFF
-HEAD, REQUEST, PORTS, REST = (
-    struct.Struct("=IHHII"),
-    struct.Struct("=BBBBI"),
-    struct.Struct(">HH"),
-    struct.Struct("=III"),
-)
+HEAD, REQUEST = struct.Struct("=IHHII"), struct.Struct("=BBBBI")
+PORTS, REST = struct.Struct(">HH"), struct.Struct("=III")
 UID_AT = HEAD.size + 64  # inet_diag_msg: four bytes, 48 of the socket's id, expires, rqueue, wqueue, uid
 IPV6_NETWORK = 64  # bits of a subscriber's prefix: all addresses in it count as one
 

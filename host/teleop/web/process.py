@@ -32,7 +32,7 @@ async def serve(link: Link, setup: dict[str, Any]) -> None:
     friends = may_open_sockets() if is_loopback(setup["listen"]) else frozenset[str]()
     paired = Paired(Path(setup["paired"]) if setup.get("paired") else None)
     pairing = Pairing(setup["code"], friends, time.monotonic, paired)
-    server = Server(link.send, pairing, names, setup["about"], first=setup.get("first", "index.html"))
+    server = Server(link.send, pairing, names, setup["about"], setup.get("first", "index.html"))
     trouble = Trouble()
     runner = web.AppRunner(server.app(), access_log=None, handle_signals=False, shutdown_timeout=0.5)
     await runner.setup()
@@ -61,7 +61,6 @@ async def _count(server: Server, trouble: Trouble, paired: Paired, link: Link, e
     while True:
         await asyncio.sleep(every_s)
         await server.hang_up_revoked()
-        turned_away = 0 if server.door is None else server.door.turned_away
         counts = {"malformed": server.malformed + trouble.malformed, "limited": server.limited}
-        counts["refused"] = server.refused + turned_away
+        counts["refused"] = server.refused + server.door.turned_away
         link.send({"type": "web", "pages": len(server.pages), **counts, "trouble": trouble.sentence or paired.trouble})

@@ -6,7 +6,6 @@ message, too much or too often. Limits are per page and per peer, and nothing be
 
 import asyncio
 import json
-import time
 from collections.abc import Awaitable, Callable
 from pathlib import Path
 from typing import Any
@@ -45,12 +44,10 @@ Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 class Page:
     """One open page: its socket, its number, its peer and token, and the newest status not yet sent to it."""
 
-    def __init__(
-        self, number: int, peer: str, socket: web.WebSocketResponse, clock: Callable[[], float], token: str | None
-    ) -> None:
+    def __init__(self, number: int, peer: str, socket: web.WebSocketResponse, token: str | None) -> None:
         self.number, self.peer, self.socket, self.token = number, peer, socket, token
-        self.messages = Bucket(MESSAGES_PER_S, BURST, clock)
-        self.stops = Bucket(STOPS_PER_S, STOP_BURST, clock)
+        self.messages = Bucket(MESSAGES_PER_S, BURST)
+        self.stops = Bucket(STOPS_PER_S, STOP_BURST)
         self.excess = 0
         self._news: dict[str, str] = {}
         self._wake = asyncio.Event()
@@ -94,7 +91,12 @@ class Stops:
 
 
 class Server:
-    """All pages. ``forward`` passes a message with its page's number to the loop; ``first``: the PAGE to serve."""
+    """All pages. ``forward`` passes a message with its page's number to the loop; ``first``: the PAGE to serve.
+
+    ``door`` is set before it opens.
+    """
+
+    door: Door
 
     def __init__(
         self,
@@ -102,14 +104,12 @@ class Server:
         pairing: Pairing,
         names: Names,
         about: dict[str, Any],
-        clock: Callable[[], float] = time.monotonic,
-        first: str = "index.html",
+        first: str,
     ) -> None:
         self._forward, self._pairing, self._names, self._about = forward, pairing, names, about
         self._first, self._keys = first, PAGES[first]
-        self._clock, self._number, self._stops = clock, 0, Stops(forward)
-        self._peers = PerPeer(lambda: Bucket(PEER_PER_S, PEER_BURST, clock))
-        self.door: Door | None = None
+        self._number, self._stops = 0, Stops(forward)
+        self._peers = PerPeer(lambda: Bucket(PEER_PER_S, PEER_BURST))
         self.pages: dict[int, Page] = {}
         self.malformed = self.limited = self.refused = 0
 
@@ -158,7 +158,7 @@ class Server:
         return guard
 
     def _peer(self, request: web.Request) -> str:
-        return "unknown" if self.door is None else self.door.peer(request.transport)
+        return self.door.peer(request.transport)
 
     def _is_paired(self, request: web.Request) -> bool:
         return self._pairing.allows(request.cookies.get(COOKIE), self._peer(request))
@@ -215,12 +215,11 @@ class Server:
         self._check_room(peer)
         socket = web.WebSocketResponse(max_msg_size=LONGEST, heartbeat=HEARTBEAT_S, compress=False)
         self._number += 1
-        page = Page(self._number, peer, socket, self._clock, request.cookies.get(COOKIE))
+        page = Page(self._number, peer, socket, request.cookies.get(COOKIE))
         self.pages[page.number] = page
         try:
             await socket.prepare(request)
-            if self.door is not None:
-                self.door.stay(request.transport)
+            self.door.stay(request.transport)
             await self._serve(page)
         finally:
             del self.pages[page.number]

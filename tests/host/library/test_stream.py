@@ -15,14 +15,6 @@ FAST = 3.0  # rad/s
 TINY = 1e-9
 
 
-@pytest.fixture
-def robot():
-    """A robot that stands on joints without mass."""
-    with Robot(prompt()) as one:
-        one.stand()
-        yield one
-
-
 def written(robot):
     return robot._place.hardware.bus.written
 

@@ -67,9 +67,7 @@ def test_a_record_holds_every_tick(drive):
     counts = record.counts
     ticks = counts["/timing"]
     assert ticks == TICKS
-    assert {
-        topic: counts[topic] for topic in ("/command", "/joints", "/load", "/attitude", "/planner")
-    } == dict.fromkeys(("/command", "/joints", "/load", "/attitude", "/planner"), ticks)
+    assert {counts[topic] for topic in ("/command", "/joints", "/load", "/attitude", "/planner")} == {ticks}
     assert [row.values["state"] for row in record.of("/state")][-1] == "disarmed"
     assert record.of("/state")[-1].values["reason"].startswith("emergency stop by web 1")
     assert record.of("/command")[-1].values["stop"] == "web 1"
@@ -273,7 +271,6 @@ def test_commands(drive, tmp_path, capsys):
     assert json.loads(capsys.readouterr().out) == {"ok": True, "ticks": TICKS, "difference": "", "same_core": True}
     assert main(["log", "export", "csv", str(drive), "--out", str(tmp_path / "csv")]) == 0
     assert (tmp_path / "csv" / "planner.csv").exists()
-    assert main(["log", "export", "xlsx", str(drive)]) == 2
     assert main(["log", "plot", str(drive), "--out", str(tmp_path / "x.png")]) == 0
     assert (tmp_path / "x.png").read_bytes().startswith(b"\x89PNG")
     assert main(["log", "info", str(tmp_path / "none.mcap")]) == 2

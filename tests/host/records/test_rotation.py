@@ -8,11 +8,10 @@ from itertools import pairwise
 
 import pytest
 
-from host.cli import main
 from host.records.reader import Record, read_record
 from host.records.recorder import CHUNK, Recorder
 from host.records.replay import replay
-from host.records.rotation import claim, make_room, next_part
+from host.records.rotation import make_room, next_part
 from host.util.errors import UserError
 from tests.host.control.rig import Rig
 
@@ -129,29 +128,3 @@ def test_a_record_of_one_part_is_replayed(tmp_path):
     rig.run(0.5)
     recorder.close()
     assert replay(read_record(recorder.path)).ok
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        (["--keep", "1"], "only with --log FOLDER"),
-        (["--keep", "0", "--log", "x"], "allowed 0.01 .. 100000"),
-        (["--keep", "1", "--log", "x.mcap"], "only with --log FOLDER, not with the file"),
-    ],
-)
-def test_wrong_use_is_one_line(options, words, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("host.control.priority.ask", lambda: "as it is")
-    assert main(["teleop", "--sim", "--direct", "--headless", *options]) == 2
-    assert words in capsys.readouterr().err
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_claiming_is_for_as_long_as_the_file_is_open(tmp_path):
-    path = record(tmp_path, 1)
-    with path.open("rb") as file:
-        claim(file)
-        make_room(tmp_path, 0, tmp_path / "running.mcap")
-        assert path.exists()
-    make_room(tmp_path, 0, tmp_path / "running.mcap")
-    assert not path.exists()

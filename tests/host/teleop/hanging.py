@@ -13,6 +13,7 @@ from host.lab.teleop.watched import Watched
 from host.robot.file import load_robot
 from host.sim.servos.process import Emulator
 from host.util.errors import UserError
+from tests.host.control.rig import STILL
 from tests.waiting import wait_until
 
 # Read by every Python that starts with this folder in its path: fsync does not return while the file is there.
@@ -32,7 +33,6 @@ _alarm = signal.alarm
 signal.alarm = lambda seconds: _alarm(min(seconds, {most_s}))
 """
 AGAIN_S = 90.0  # what does not walk by then is started again
-DRIVE = {"vy_m_s": 0.0, "wz_rad_s": 0.0, "pose": [0.0] * 6}
 
 
 class Drive(Watched):
@@ -72,7 +72,7 @@ class Drive(Watched):
         self.stand(lambda what: self.say(**LINES[what]), lambda status: self.drive(0.0) or enough(status), AGAIN_S)
 
     def drive(self, vx_m_s):
-        self.say(type="drive", vx_m_s=vx_m_s, **DRIVE)
+        self.say(**{**STILL, "vx_m_s": vx_m_s})
 
     def hang(self, what):
         """Have ``disk`` or ``page`` stand still; a page that is just gone comes again later."""

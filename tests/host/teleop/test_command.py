@@ -13,9 +13,10 @@ import sys
 
 import pytest
 
-from host.cli import main
+from host.commands._hardware import kind_of_hardware
 from host.control.safety import Fault
 from host.records.reader import read_record
+from host.robot.file import load_robot
 from host.teleop.measure import Measure
 from tests.host.control.rig import Rig
 from tests.waiting import PATIENCE_S, wait_until
@@ -68,6 +69,17 @@ def test_brushless_robots_drive_too(measurements):
 
 
 @pytest.mark.parametrize(
+    ("robot", "kind"),
+    [("caramelo", "emulated"), ("parallel", "simulated"), ("pupper", "simulated"), ("solo12", "simulated")],
+)
+def test_only_a_servo_bus_is_emulated(robot, kind):
+    """Pupper has servos, but no bus to them: it was refused with --sim."""
+    assert kind_of_hardware(load_robot(robot), True, False) == kind
+    assert kind_of_hardware(load_robot(robot), True, True) == "simulated"
+    assert kind_of_hardware(load_robot(robot), False, False) == "real"
+
+
+@pytest.mark.parametrize(
     ("options", "sentence"),
     [
         ([], "no terminal"),
@@ -79,15 +91,19 @@ def test_brushless_robots_drive_too(measurements):
         (["--sim", "--direct", "--headless", "--web", "--listen", "203.0.113.1:8080"], "--listen 203.0.113.1:8080"),
         (["--sim", "--direct", "--headless", "--socket", "/nowhere/x"], "--socket /nowhere/x"),
         (["--sim", "--direct", "--headless", "--gamepad", "/dev/input/none"], "gamepad"),
+        (["--sim", "--direct", "--headless", "--keep", "1"], "only with --log FOLDER"),
+        (["--sim", "--direct", "--headless", "--keep", "0", "--log", "{}/x"], "allowed 0.01 .. 100000"),
+        (["--sim", "--direct", "--headless", "--keep", "1", "--log", "{}/x.mcap"], "FOLDER, not with the file /"),
     ],
 )
-def test_wrong_use_is_one_line(options, sentence, capsys, monkeypatch):
+def test_wrong_use_is_one_line_and_leaves_nothing(options, sentence, run, monkeypatch, tmp_path):
     monkeypatch.setattr("host.control.priority.ask", lambda: "as it is")
     monkeypatch.setattr("sys.stdin", io.StringIO())
-    assert main(["teleop", *options]) == 2
-    error = capsys.readouterr().err
+    code, _, error = run("teleop", *(option.format(tmp_path) for option in options))
+    assert code == 2
     assert sentence in error
     assert error.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_a_measurement_ends_at_a_fault():
@@ -145,27 +161,29 @@ class Terminal:
 
 
 @pytest.fixture
-def terminal():
-    terminal = Terminal()
+def terminal(tmp_path):
+    terminal = Terminal("--log", str(tmp_path / "x.mcap"))
     yield terminal
     terminal.end()
 
 
-def test_a_terminal_that_goes_away_sits_the_robot_down(tmp_path):
-    path = tmp_path / "x.mcap"
-    terminal = Terminal("--log", str(path))
-    try:
-        terminal.see("disarmed")
-        terminal.type(b"t")
-        terminal.see(r" standing ")
-        terminal.see("walking", key=b"w")
-        terminal.hang_up()
-        terminal.process.wait(PATIENCE_S)
-    finally:
-        terminal.end()
-    record = read_record(path)
-    assert record.whole
-    assert [row.values["state"] for row in record.of("/state")][-2:] == ["sitting", "disarmed"]
+def states(path):
+    return [row.values["state"] for row in read_record(path).of("/state")]
+
+
+def sat_down(path):
+    """Return whether a record is whole and ends with a robot that sat down."""
+    return read_record(path).whole and states(path)[-2:] == ["sitting", "disarmed"]
+
+
+def test_a_terminal_that_goes_away_sits_the_robot_down(terminal, tmp_path):
+    terminal.see("disarmed")
+    terminal.type(b"t")
+    terminal.see(r" standing ")
+    terminal.see("walking", key=b"w")
+    terminal.hang_up()
+    terminal.process.wait(PATIENCE_S)
+    assert sat_down(tmp_path / "x.mcap")
 
 
 def test_a_drive_in_the_terminal(terminal):
@@ -190,11 +208,9 @@ def test_sigterm_sits_down_before_it_ends(tmp_path):
     options = ["--sim", "--direct", "--measure", "60", "--log", str(path)]
     process = subprocess.Popen([*TELEOP, *options], stdout=subprocess.PIPE, text=True)
     assert any(line.startswith("ready") for line in process.stdout)
-    wait_until(lambda: "walking" in [row.values["state"] for row in read_record(path).of("/state")], "it walks")
+    wait_until(lambda: "walking" in states(path), "it walks")
     process.send_signal(signal.SIGTERM)
     assert "missed their deadline" in process.stdout.read()
     process.stdout.close()
     process.wait(PATIENCE_S)
-    record = read_record(path)
-    assert record.whole
-    assert [row.values["state"] for row in record.of("/state")][-2:] == ["sitting", "disarmed"]
+    assert sat_down(path)

@@ -11,6 +11,7 @@ from host.robot.file import load_robot
 from host.sim.servos.process import Emulator, EmulatorImu
 from host.sim.stage import NAMES, ground, profiles
 from host.util.errors import UserError
+from tests.host.control.rig import STAND, STILL
 from tests.host.teleop.web.rig import Teleop
 from tests.waiting import wait_until
 
@@ -25,11 +26,10 @@ def test_a_script_chooses_while_the_joints_are_off(tmp_path):
         status = teleop.wait(lambda status: status["ground"] == "step")
         assert status["obeyed"] == 1
         assert status["place"][:2] == pytest.approx((0.0, 0.0), abs=0.02)
-        still = {"type": "drive", "vx_m_s": 0.0, "vy_m_s": 0.0, "wz_rad_s": 0.0, "pose": [0.0] * 6}
-        teleop.say(type="posture", posture="stand")
-        teleop.wait(lambda status: teleop.say(**still) or status["armed"])
+        teleop.say(**STAND)
+        teleop.wait(lambda status: teleop.say(**STILL) or status["armed"])
         teleop.say(type="ground", ground="ramp")
-        teleop.wait(lambda status: teleop.say(**still) or status["state"] == "standing")
+        teleop.wait(lambda status: teleop.say(**STILL) or status["state"] == "standing")
         assert teleop.status()["ground"] == "step"
 
 

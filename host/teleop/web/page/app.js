@@ -1,12 +1,11 @@
 // The page: one websocket; sends the sticks when they change and ten times a second while they are in use.
 import { Keys, Pad, Stick, still } from "/inputs.js";
-import { connect, send, stop } from "/link.js";
+import { $, allow, connect, isSilent, send, stop, whileSilent } from "/link.js";
 import { askForPairing } from "/pairing.js";
 import { Plots, STATUS } from "/plots.js";
 import { View } from "/view.js";
 
 const AGAIN_MS = 100; // a third of the robot's dead-man time
-const SILENT_MS = 1000;
 const POSES = [
   ["x", "Ahead", "m"], ["y", "Left", "m"], ["z", "Up", "m"], ["roll", "Roll", "rad"], ["pitch", "Nose down", "rad"], ["yaw", "Turn left", "rad"],
 ];
@@ -16,12 +15,10 @@ const DIFFERS = 0.25; // of the speed told: less is the robot's own rhythm
 const SWAY_M = 0.02, SHARE = 0.05; // of a status, 20 a second: walked speeds are evened over a second
 const evened = [0, 0, 0];
 const FIRM_MS = 2500; // so long a speed may take to come about
-const $ = (id) => document.getElementById(id);
-
 const HOLD_MS = 700; // a choice just made here is not overwritten by a status that does not know of it yet
 
 let chosenMs = -HOLD_MS;
-let hello = null, status = null, heardMs = 0, sentMs = 0;
+let hello = null, status = null, sentMs = 0;
 const sticks = [
   new Stick($("walk"), { right: ["left", -1], up: ["forward", 1] }, changed),
   new Stick($("turn"), { right: ["turn", -1], up: ["pitch", 1] }, changed),
@@ -43,7 +40,6 @@ function told(answer) {
 }
 
 function receive(message) {
-  heardMs = performance.now();
   if (message.type === "hello") begin(message);
   else if (message.type === "pong") $("latency").textContent = `${(performance.now() - message.t_ms).toFixed(0)} ms`;
   else if (message.type === "status") {
@@ -129,18 +125,14 @@ function again() {
 }
 
 function show() {
-  const silent = !status || performance.now() - heardMs > SILENT_MS;
+  const silent = !status || isSilent();
   $("state").className = silent || status.stop || status.fault ? "halted" : status.reason ? "" : "moves";
   const paired = $("pairing").hidden;
   $("word").textContent = !silent ? status.state : paired ? "no connection" : "not paired";
   $("reason").textContent = !silent ? status.reason || "moving as commanded" : paired
     ? "the robot does not answer; it stops by itself" : "this page can't drive or stop the robot yet: enter the code below";
   $("stop").classList.toggle("dead", silent);
-  for (const id of ACTING) {
-    const why = whyNot(id, silent);
-    $(id).disabled = why !== "";
-    $(id).title = why;
-  }
+  allow(ACTING, (id) => whyNot(id, silent));
   for (const stick of sticks) stick.element.setAttribute("aria-disabled", String(whyNot("stick", silent) !== ""));
   $("remark").textContent = silent ? "" : [status.remark, status.attitude_note].filter(Boolean).join("; ");
   const gait = $("gait").value, why = hello && hello.gaits[gait];
@@ -261,7 +253,7 @@ for (const button of document.querySelectorAll("[data-posture]")) {
 $("unpair").addEventListener("click", () => fetch("/unpair", { method: "POST" }));
 
 setInterval(again, AGAIN_MS);
-setInterval(() => performance.now() - heardMs > SILENT_MS && show(), SILENT_MS);
+whileSilent(show);
 (function frame(timeStamp) {
   pad.poll(timeStamp);
   requestAnimationFrame(frame);

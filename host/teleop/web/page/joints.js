@@ -1,17 +1,15 @@
 // The joints' page: parameters of one joint as a tree, its signals as plots, steps of its goal.
-import { connect, send } from "/link.js";
+import { $, allow, connect, isSilent, send, whileSilent } from "/link.js";
 import { askForPairing } from "/pairing.js";
 import { Plots } from "/plots.js";
 
-const SILENT_MS = 1000;
 const SIGNALS = new Map(["goal °", "angle °", "speed °/s", "current A", "winding °C", "supply V"].map((text, i) => {
   const [name, unit] = text.split(" ");
   return [name, [(sample) => sample[i + 1], unit]];
 }));
-const $ = (id) => document.getElementById(id);
 const plots = new Plots($("plot-pick"), $("plot-clear"), $("plot-list"), SIGNALS, (sample) => sample[0], 4);
 const rows = new Map(); // name: {row, input, output, of}
-let hello = null, status = null, values = { values: {} }, heardMs = 0, taken_s = 0;
+let hello = null, status = null, values = { values: {} }, taken_s = 0;
 
 function lost() {
   hello = status = null;
@@ -20,7 +18,6 @@ function lost() {
 }
 
 function receive(message) {
-  heardMs = performance.now();
   if (message.type === "hello") begin(message);
   else if (message.type === "values") values = message;
   else if (message.type === "status") {
@@ -78,17 +75,13 @@ const number = (value) => Number(value.toPrecision(6)).toString();
 const ACTING = ["joint", "arm", "clear", "step", "keep"];
 
 function show() {
-  const silent = !status || performance.now() - heardMs > SILENT_MS, paired = $("pairing").hidden;
+  const silent = !status || isSilent(), paired = $("pairing").hidden;
   const state = silent ? "" : status.joints[status.node - 1];
   $("state").className = silent ? "halted" : status.armed ? "moves" : "";
   $("word").textContent = silent ? (paired ? "no connection" : "not paired") : status.armed ? "armed" : "disarmed";
   $("reason").textContent = silent ? (paired ? "the program on the bus does not answer" : "enter the code below") : `${status.joints.filter((one) => one !== "not there").length} of 12 joints answer`;
   $("stop").classList.toggle("dead", silent);
-  for (const id of ACTING) {
-    const why = whyNot(id, silent);
-    $(id).disabled = why !== "";
-    $(id).title = why;
-  }
+  allow(ACTING, (id) => whyNot(id, silent));
   if (silent) return;
   $("arm").textContent = status.armed ? "Let go" : "Arm all joints";
   $("joint-state").textContent = state;
@@ -132,6 +125,6 @@ $("find").addEventListener("input", () => {
     details.open = found && words !== "";
   }
 });
-setInterval(() => performance.now() - heardMs > SILENT_MS && show(), SILENT_MS);
+whileSilent(show);
 for (const id of ACTING) $(id).disabled = true; // until the program on the bus has been heard
 connect(receive, lost);

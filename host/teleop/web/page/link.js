@@ -1,14 +1,30 @@
 // The websocket to the program that serves the page, opened again when it is lost; STOP by button and space bar.
-const PING_MS = 1000, RECONNECT_MS = 700;
-let socket = null;
+const PING_MS = 1000, RECONNECT_MS = 700, SILENT_MS = 1000;
+let socket = null, heardMs = 0;
+
+export const $ = (id) => document.getElementById(id);
+export const isSilent = () => performance.now() - heardMs > SILENT_MS;
+export const whileSilent = (show) => setInterval(() => isSilent() && show(), SILENT_MS);
 
 export function connect(receive, lost) {
   socket = new WebSocket(`ws://${location.host}/ws`);
-  socket.onmessage = (event) => receive(JSON.parse(event.data));
+  socket.onmessage = (event) => {
+    heardMs = performance.now();
+    receive(JSON.parse(event.data));
+  };
   socket.onclose = () => {
     lost();
     setTimeout(() => connect(receive, lost), RECONNECT_MS);
   };
+}
+
+// Switch off the controls that can't act now; ``whyNot`` returns the reason, which becomes the title, "" for one that can.
+export function allow(controls, whyNot) {
+  for (const id of controls) {
+    const why = whyNot(id);
+    $(id).disabled = why !== "";
+    $(id).title = why;
+  }
 }
 
 export function send(message) {
@@ -19,7 +35,7 @@ export function stop(timeStamp) {
   send({ type: "stop", t_ms: performance.timeOrigin + (timeStamp || performance.now()) });
 }
 
-const button = document.getElementById("stop");
+const button = $("stop");
 button.addEventListener("pointerdown", (event) => stop(event.timeStamp));
 button.addEventListener("click", (event) => event.detail === 0 && stop(event.timeStamp));
 addEventListener("keydown", (event) => {

@@ -1,5 +1,6 @@
 // Pairing: trades the code from the terminal for a token that the browser keeps.
-const $ = (id) => document.getElementById(id);
+import { $ } from "/link.js";
+
 let scanned = /^#\d{6}$/.test(location.hash) ? location.hash.slice(1) : ""; // the QR code in the terminal has it
 history.replaceState(null, "", location.pathname);
 

@@ -30,7 +30,7 @@ export class Plots {
     this.time = time;
     this.seconds = seconds;
     this.now = 0;
-    this.shown = new Map(); // name: {canvas, value, points}
+    this.shown = new Map(); // name: {figure, canvas, caption, points}
     pick.replaceChildren(new Option("pick a value", ""), ...[...choices.keys()].map((name) => new Option(name, name)));
     pick.addEventListener("change", () => {
       this.add(pick.value);

@@ -109,7 +109,7 @@ def test_only_so_many_peers_are_remembered():
         kept[str(number)]
     assert kept["first"] == [1]
     kept["one more"]
-    assert (len(kept), kept["first"], kept["0"]) == (MOST_PEERS, [1], [])
+    assert (len(kept._kept), kept["first"], kept["0"]) == (MOST_PEERS, [1], [])
 
 
 @pytest.mark.parametrize(

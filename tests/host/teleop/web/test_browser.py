@@ -11,6 +11,7 @@ from host.robot.gait_advice import gait_advice
 from host.sim.stage import profiles
 from host.teleop.web.paired import NAME, Paired
 from host.util.errors import UserError
+from tests.host.control.rig import STILL
 from tests.waiting import let_pass, stays, wait_until
 
 from .rig import Teleop
@@ -124,8 +125,7 @@ def test_touch_sticks_and_stop_button_on_a_phone(teleop, open_page, viewport, sc
         assert box["y"] >= 0
         assert box["y"] + box["height"] <= viewport["height"] + 1
         assert min(box["width"], box["height"]) >= 44
-    box = page.locator("#walk").bounding_box()
-    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    x, y = _middle(page.locator("#walk"))
     page.mouse.move(x, y)
     page.mouse.down()
     page.mouse.move(x, y - 40, steps=4)
@@ -145,12 +145,11 @@ def _middle(element):
 def test_a_pose_out_of_reach_is_told_on_the_page(teleop, open_page):
     page, limits = open_page(), ROBOT.body_limits
     pose = [0.0, 0.0, limits.z_m, *limits.angles_rad[:2], 0.0]
-    drive = {"type": "drive", "vx_m_s": 0.0, "vy_m_s": 0.0, "wz_rad_s": 0.0}
     told = "pose out of reach: held at the nearest"
     bias = "measuring the gyro's bias: hold the robot still"  # in a robot's first seconds this is told beside it
-    teleop.wait(lambda status: teleop.say(**drive, pose=pose) or status["remark"] == told)
+    teleop.wait(lambda status: teleop.say(**{**STILL, "pose": pose}) or status["remark"] == told)
     playwright.expect(page.locator("#remark")).to_have_text(re.compile(f"^{told}(; {bias})?$"))
-    teleop.wait(lambda status: teleop.say(**drive, pose=[0.0] * 6) or status["remark"] == "")
+    teleop.wait(lambda status: teleop.say(**STILL) or status["remark"] == "")
     playwright.expect(page.locator("#remark")).to_have_text(re.compile(f"^({bias})?$"))
     teleop.say(type="release")
 
@@ -341,7 +340,7 @@ def test_full_stick_is_the_gaits_own_limit_and_what_is_beyond_is_told(teleop, op
     assert most["trot"] > 1.5 * most["paper-trot"]
     page.close()
     teleop.wait(lambda status: status["driver"] is None)
-    wish = {"type": "drive", "vx_m_s": 9.0, "vy_m_s": 0.0, "wz_rad_s": 0.0, "pose": [0.0] * 6}
+    wish = {**STILL, "vx_m_s": 9.0}
     teleop.say(type="gait", gait="trot")
     limited = teleop.wait(lambda status: teleop.say(**wish) or status["slower"])["slower"]
     assert limited == "trot is limited to 0.3 m/s by speed_limits.vx_m_s"

@@ -196,7 +196,8 @@ def test_a_slow_connection_has_an_end():
 
 def heads(chance):
     """Yield requests that no browser sends."""
-    post = b"POST /pair HTTP/1.1\r\nHost: %(host)s\r\nOrigin: http://%(host)s\r\n"
+    own = b" HTTP/1.1\r\nHost: %(host)s\r\nOrigin: http://%(host)s\r\n"
+    post, socket = b"POST /pair" + own, b"GET /ws" + own
     yield post + b"Content-Length: 3\r\n\r\n\xff\xfe\x9b"
     for kind in (b"text/plain; charset=nonsense", b"text/plain; charset=utf-7", b"\xff\xfe", b"a/b; charset=\x9b31m"):
         yield post + b"Content-Type: " + kind + b"\r\nContent-Length: 3\r\n\r\n\xff\xfe1"
@@ -206,13 +207,7 @@ def heads(chance):
     yield post + b"Content-Length: 999999\r\n\r\nx"
     for name in (b"Host", b"Origin", b"Cookie", b"Sec-WebSocket-Key", b"Upgrade", b"Connection"):
         for value in (b"\xff\xfe", b"caramelo=\xff\x9b", b"\x9b31m", b"[", b"a:b:c", b"x" * 9000, b'caramelo="\\377'):
-            yield (
-                b"GET /ws HTTP/1.1\r\nHost: %(host)s\r\nOrigin: http://%(host)s\r\n"
-                + name
-                + b": "
-                + value
-                + b"\r\n\r\n"
-            )
+            yield socket + name + b": " + value + b"\r\n\r\n"
             yield b"GET /paired HTTP/1.1\r\n" + name + b": " + value + b"\r\n\r\n"
     yield b"GET / HTTP/1.0\r\n\r\n"
     for _ in range(40):
