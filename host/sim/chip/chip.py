@@ -159,10 +159,6 @@ class Chip:
         self._port_of[pin] = self.ports[pin[1]]
         return self.ports[pin[1]]
 
-    def pin_of(self, signal: str) -> str | None:
-        """Return the pin that carries a signal as ``"TIM1_CH1"``; none or several is a complaint."""
-        return self.pins.pin_of(signal)
-
     def trigger_adcs(self) -> None:
         """Let timer 1's TRGO rise; ADCs that wait for it see the edge."""
         for adc in self.adcs.values():
