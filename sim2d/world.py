@@ -79,7 +79,6 @@ class World:
         if not 0 < dt_s <= MAX_DT_S:
             raise ValueError(f"dt_s = {dt_s}: allowed above 0 and up to {MAX_DT_S}, where the servos stay accurate")
         voltage_V = robot.thigh_servo.nominal_voltage_V if supply_voltage_V is None else supply_voltage_V
-        self.supply_voltage_V = voltage_V
         if actuator is None:
             _check_stable(robot, voltage_V, dt_s)
         self.robot, self.terrain, self.dt_s = robot, terrain, dt_s
