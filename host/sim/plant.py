@@ -133,9 +133,9 @@ class Plant(ABC):
             self._run(steps)
             self.time_s += steps * DT_S
 
-    @abstractmethod
     def push(self, joint: int, angle_rad: float) -> None:
-        """Turn one joint by hand, which only works while it is off."""
+        """Turn one joint by hand, which only works while it is off, and on a bench."""
+        raise UserError(f"joint {joint}: can't be turned by hand while the robot stands; lift it, or use a bench")
 
     @abstractmethod
     def put_back(self) -> None:
@@ -252,18 +252,9 @@ class PlanePlant(Plant):
         self.world, self.position_rad, self.speed_rad_s = (
             self._body.world, self._body.position_rad, self._body.speed_rad_s)
 
-    @property
-    def x_m(self) -> float:
-        """Where the body is."""
-        return float(self.world.parts.bodies[0].position.x)
-
     def pose(self) -> tuple[float, float, float]:
         """See Plant."""
-        return self.x_m, 0.0, 0.0
-
-    def push(self, joint: int, angle_rad: float) -> None:
-        """See Plant; only hips can be turned by hand, the others stand on the ground."""
-        raise UserError(f"joint {joint}: can't be turned by hand while the robot stands; lift it, or use a bench")
+        return float(self.world.parts.bodies[0].position.x), 0.0, 0.0
 
     def put_back(self) -> None:
         """See Plant."""

@@ -114,6 +114,11 @@ class Bench:
         return self.joint.control.state
 
     @property
+    def enabled(self) -> bool:
+        """Whether the joint follows its commands."""
+        return int(self.state.drive_state) == w.STATE_OPERATION_ENABLED
+
+    @property
     def time_s(self) -> float:
         """Time since power-on."""
         return self._ms / 1000
@@ -200,9 +205,10 @@ class Bench:
         fields = (command, self._sequence, SESSION, index, value)
         encode_service_request(self._frame, unpack(ServiceRequest(), fields))
         self.board.deliver(w.SERVICE_REQUEST_ID + 1, self._frame, 8)
-        self._drop_sent()
-        self.run(1)
         answer, frame = ServiceResponse(), array("H", [0] * 4)
+        while self.board.sent.take(frame) >= 0:
+            pass  # what was sent before
+        self.run(1)
         while True:
             identifier = self.board.sent.take(frame)
             if identifier < 0:
@@ -210,16 +216,11 @@ class Bench:
             if identifier == w.SERVICE_RESPONSE_ID + 1 and decode_service_response(frame, answer) == 0:
                 return answer.result
 
-    def _drop_sent(self) -> None:
-        frame = array("H", [0] * 4)
-        while self.board.sent.take(frame) >= 0:
-            pass
-
     def arm(self, mode: int, goal: float) -> None:
         """Send set-points of ``mode`` for 20 ms, then arm; UserError with the reason if the joint refuses."""
         self.mode, self.goal = mode, goal
         self.run(20)
         result = self.request(w.COMMAND_ARM, value=w.PROTOCOL_HASH)
         self.run(5)
-        if result != w.RESULT_OK or self.state.drive_state != w.STATE_OPERATION_ENABLED:
+        if result != w.RESULT_OK or not self.enabled:
             raise UserError(f"the simulated joint refused arming: result {result}")

@@ -8,7 +8,7 @@ from ...robot.actuators import Bldc
 from ...robot.joint_units import JointSetup
 from .bench import STEP_S, Bench
 from .model import Load
-from .result import Result, enabled
+from .result import Result
 
 CURRENT_A = 1.0
 OVERSHOOT = 0.1  # that the current loop is allowed, of a step
@@ -66,7 +66,7 @@ def closed_loop(bldc: Bldc) -> Result:
             rows.append(_axis_errors(bench, 60))
     worst_d, worst_q = max(abs(d) for d, _ in rows), max(abs(q) for _, q in rows)
     figures = {
-        "ok": bool(max(worst_d, worst_q) <= rated / 100 and enabled(bench)),
+        "ok": bool(max(worst_d, worst_q) <= rated / 100 and bench.enabled),
         "worst_d_error_percent": round(100 * worst_d / rated, 3),
         "worst_q_error_percent": round(100 * worst_q / rated, 3),
         "rated_A": rated,

@@ -8,7 +8,6 @@ import numpy as np
 from ...bus.base import JOINTS
 from ...robot.model import Robot
 from ...robot.poses import seated_pose_rad
-from ...util.errors import UserError
 from ..export.ground import Ground
 from ..export.mjcf import ModelOptions
 from ..imu import Motion
@@ -78,14 +77,10 @@ class SpacePlant(Plant):
         x_m, y_m, z_m = self.world.position_m().tolist()
         return x_m, y_m, z_m, self.world.attitude_rad()[2]
 
-    def push(self, joint: int, angle_rad: float) -> None:
-        """See Plant."""
-        raise UserError(f"joint {joint}: can't be turned by hand while the robot stands; lift it, or use a bench")
-
     def pose(self) -> tuple[float, float, float]:
         """See Plant."""
-        x_m, y_m, _ = self.world.position_m().tolist()
-        return x_m, y_m, self.world.attitude_rad()[2]
+        x_m, y_m, _, yaw_rad = self.place()
+        return x_m, y_m, yaw_rad
 
     def put_back(self) -> None:
         """See Plant."""

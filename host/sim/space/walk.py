@@ -48,7 +48,6 @@ class SpaceRecording:
     foot_load_N: Array
     penetration_m: Array
     stall_Nm: Array
-    flags: int
     outcome: Outcome
     notes: tuple[Note, ...] = ()
     way: str = "ahead"
@@ -71,7 +70,7 @@ class SpaceWalker:
         options = ModelOptions(make_ground(spec.ground), spec.payload_kg, spec.friction, spec.voltage_V, *FAST)
         self.world = World(spec.body, options, self.driver.rate_hz, bus_delay_s=spec.bus_delay_s)
         self.attitude = Attitude(spec.robot, SimulatedImu(spec.robot, self.world.motion, spec.seed))
-        self.goals, self.flags = [0.0] * 12, 0
+        self.goals = [0.0] * 12
         self.watch = GaitWatch(self.driver)
         self.driver.set_command(mode="stand", gait=spec.gait, balance=spec.balance)
 
@@ -80,7 +79,6 @@ class SpaceWalker:
         roll_rad, pitch_rad = self.attitude.update() or (None, None)
         self.driver.sense(self.world.joints_rad().tolist(), roll_rad, pitch_rad, self.attitude.rates_rad_s)
         self.goals = self.driver.step()
-        self.flags |= self.driver.flags
         self.watch.look()
         self.world.send(self.goals)
         self.world.advance()
@@ -93,7 +91,6 @@ class SpaceWalker:
         for _ in range(round(_STANDING_UP_S * rate_hz)):
             self.tick()
             if self.attitude.state == "ok" and self.driver.state == "standing":
-                self.flags = 0
                 self.watch.restart()
                 return
         raise UserError(f"3-D walk: {self.driver.state} after {_STANDING_UP_S:g} s, attitude {self.attitude.state}: "
@@ -135,7 +132,7 @@ class _Log:
         attitude[:, 2] = np.unwrap(attitude[:, 2])
         stall = [d.stall_torque_Nm for d in drives(planar_robot(self._spec.robot), self._spec.voltage_V)]
         return SpaceRecording(time, position, attitude, joint, goal, torque, load, penetration, np.array(stall * 4),
-                              self._walker.flags, outcome, tuple(self._walker.watch.notes), self._spec.way)
+                              outcome, tuple(self._walker.watch.notes), self._spec.way)
 
 
 def walk_in_space(spec: WalkSpec, progress: Callable[[float], None] | None = None) -> SpaceRecording:

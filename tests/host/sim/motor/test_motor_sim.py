@@ -2,6 +2,7 @@
 
 import json
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -77,7 +78,7 @@ def test_the_integer_step_is_as_exact_as_said():
     assert figures["vectors"] >= 10_000
 
 
-@pytest.mark.parametrize("name", [name for name in scenarios.names() if name != "stall"])
+@pytest.mark.parametrize("name", [name for name in scenarios.SCENARIOS if name != "stall"])
 def test_each_scenario_reaches_its_figures(name):
     result = scenarios.run_scenario(BLDC, name)
     assert result.ok, result.figures
@@ -94,7 +95,7 @@ def test_a_scenario_can_fail(monkeypatch):
     """A joint that may not be fast enough misses its step; a fault expected under another code is not found."""
     slow = BLDC.model_copy(update={"drive": BLDC.drive.model_copy(update={"speed_limit_rad_s": 0.2})})
     assert not scenarios.run_scenario(slow, "step").ok
-    monkeypatch.setitem(faults.FAULTS, "bus-sag", faults.FaultCase(99, 10, faults.FAULTS["bus-sag"].begin))
+    monkeypatch.setitem(faults.FAULTS, "bus-sag", replace(faults.FAULTS["bus-sag"], code=99))
     assert not scenarios.run_scenario(BLDC, "fault-bus-sag").ok
 
 
