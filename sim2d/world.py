@@ -20,7 +20,7 @@ import pymunk
 from pymunk import batch
 
 from . import body
-from .actuator import Actuator, servos_of
+from .actuator import Actuator, CalfOnTorso, PositionServos
 from .model import GRAVITY_M_S2, PLANAR_JOINTS, PlanarRobot, least_inertia_kgm2
 from .terrain import Terrain
 
@@ -86,8 +86,10 @@ class World:
         self.space = _space(dt_s)
         self.parts = body.build(self.space, robot, payload_kg, _JOINT_ERROR_LEFT ** (1 / dt_s))
         _add_ground(self.space, terrain)
-        self.servos = servos_of(robot, voltage_V)
-        self._actuator = self.servos if actuator is None else actuator
+        thigh, calf = robot.thigh_servo.at_voltage(voltage_V), robot.calf_servo.at_voltage(voltage_V)
+        self.servos = PositionServos([thigh, calf] * 4)
+        motors: Actuator = self.servos if actuator is None else actuator
+        self._actuator: Actuator = CalfOnTorso(motors) if robot.calf_on_torso else motors
         self._stops = _end_stops(robot, self.parts.bodies, dt_s)
         self._moving = ROBOT_BODIES + len(terrain.loose)
         self.position_rad = [0.0] * PLANAR_JOINTS

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from math import copysign
 from typing import TYPE_CHECKING
 
-from sim2d.actuator import Actuator, CalfOnTorso, Given, Told
+from sim2d.actuator import Actuator, Given, Told
 from sim2d.model import GRAVITY_M_S2, PLANAR_INDEX, PLANAR_JOINTS, PlanarRobot, ServoModel
 
 from ..bus.base import JOINTS
@@ -212,7 +212,7 @@ class PlaneBody:
         from sim2d.world import World
 
         plane = plane or planar_robot(robot)
-        self.world = World(plane, flat(), actuator=CalfOnTorso(motors) if plane.calf_on_torso else motors, dt_s=DT_S)
+        self.world = World(plane, flat(), actuator=motors, dt_s=DT_S)
         self._robot, self._pose_rad, self._start = robot, tuple(pose_rad), clamped(plane, pose_rad)
         self.position_rad, self.speed_rad_s = list(pose_rad), [0.0] * JOINTS
         self.put_back()

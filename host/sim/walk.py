@@ -18,7 +18,7 @@ from ..robot.model import JOINT_NAMES, LEG_NAMES, Robot
 from ..robot.plane import planar_robot
 from ..util.errors import UserError
 from .grounds import FLAT, ONLY_SPACE, GroundSpec, make_terrain
-from .servos.plane import coupled, honest_servos
+from .servos.plane import honest_servos
 
 # How a walk's way is measured: ahead and to the left in m, turning to the left in rad.
 WAYS: dict[str, tuple[int, int, int]] = {"ahead": (1, 0, 0), "back": (-1, 0, 0), "left": (0, 1, 0), "turn": (0, 0, 1)}
@@ -141,7 +141,7 @@ def run_walk(
             bus_delay_s=spec.bus_delay_s,
             seed=spec.seed,
             stuck_after_s=spec.stuck_after_s,
-            actuator=actuator or (servos and coupled(robot, servos)),
+            actuator=actuator or servos,
             progress=progress,
         )
     except (ValueError, ArithmeticError) as error:

@@ -11,7 +11,7 @@ from typing import Any
 
 from shared.joint.cascade import cascade_reset, cascade_step
 from shared.wire.names import MODE_IMPEDANCE, MODE_POSITION
-from sim2d.actuator import CoupledDrives, Drives, Given, Told
+from sim2d.actuator import Given, Told
 from sim2d.model import GRAVITY_M_S2, PLANAR_JOINTS
 from sim2d.recording import Recording
 
@@ -139,14 +139,13 @@ class JointMotors:
             torque_Nm[i] = motor.torque(goal_rad[i], position_rad[i], speed_rad_s[i], dt_s)
 
 
-def joint_motors(robot: Robot) -> tuple[JointMotors, Drives]:
-    """Return the drives of a robot with brushless joints, and those to simulate with (coupled calves)."""
+def joint_motors(robot: Robot) -> JointMotors:
+    """Return the drives of a robot with brushless joints."""
     if not isinstance(robot.actuator, Bldc) or robot.calf_drive.ratio != 1.0:
         raise ValueError(f"{robot.name}: joint motors are for brushless joints with calf_drive.ratio 1")
     _, thigh_kg_m2, calf_kg_m2 = leg_inertia_kg_m2(robot)
     spring = robot.bus.kind == "can" and robot.bus.loops == "impedance"
-    motors = JointMotors(robot.actuator, thigh_kg_m2, calf_kg_m2, spring)
-    return motors, CoupledDrives(motors) if robot.calf_drive.coupled else motors
+    return JointMotors(robot.actuator, thigh_kg_m2, calf_kg_m2, spring)
 
 
 def transport(robot: Robot, recording: Recording, payload_kg: float, motors: JointMotors | None) -> dict[str, Any]:
