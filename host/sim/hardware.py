@@ -61,5 +61,5 @@ def emulated(robot: Robot, calibration: Path | None, source: str, space: bool = 
         sensor = EmulatorImu(emulator)
         stage = None
         if space:
-            stage = Stage(profiles(), lambda name: sensor.choose(name), lambda: sensor.place)
+            stage = Stage(profiles(), sensor.choose, lambda: sensor.place)
         yield Hardware(bus, Attitude(robot, sensor), put_back, turns=space, simulated=True, stage=stage)

@@ -26,7 +26,7 @@ from shared.wire.codec import (
 
 from ...robot.actuators import Bldc
 from ...robot.joint_gains import JointBlocks, impedance_gains, joint_blocks
-from ...robot.joint_units import Board, JointSetup
+from ...robot.joint_units import JointSetup
 from ...util.errors import UserError
 from .model import Load, Motor
 from .sensors import Sensors, Wrong
@@ -51,7 +51,6 @@ class Trace:
     torque_Nm: list[float] = field(default_factory=list)  # at the joint
     winding_C: list[float] = field(default_factory=list)
     limit_A: list[float] = field(default_factory=list)
-    bus_V: list[float] = field(default_factory=list)
     state: list[int] = field(default_factory=list)
 
 
@@ -78,7 +77,7 @@ class Bench:
         self.units = self.blocks.units
         self.motor = Motor(real or bldc, self.load, elec_offset_rad=elec_offset_rad)
         self.wrong = Wrong()
-        self.sensors = Sensors(bldc, Board(), seed=seed, wrong=self.wrong)
+        self.sensors = Sensors(bldc, self.wrong, seed)
         self.board = SimBoard()
         self.joint = Joint(self.board, Memory())
         self._configure(commissioned, elec_offset_rad)
@@ -170,7 +169,6 @@ class Bench:
         t.torque_Nm.append(m.gear_Nm)
         t.winding_C.append(m.winding_C)
         t.limit_A.append(self.state.current_limit * self.units.ampere_per_cu)
-        t.bus_V.append(m.bus_V)
         t.state.append(self.state.drive_state)
 
     def send_setpoint(self) -> None:

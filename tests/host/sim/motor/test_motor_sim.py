@@ -21,20 +21,23 @@ from shared.wire import names as w
 BLDC = load_robot("parallel").actuator
 
 
-def test_a_locked_winding_reaches_voltage_over_resistance():
-    motor = Motor(BLDC, Load(blocked=True, ideal_gear=True, dead_time_s=0.0, source_ohm=0.0), rotor_rad=0.0)
+def wound(steps, **load):
+    """Return a motor whose rotor stands still, after steps of 50 us with 5 % of the supply along its flux."""
+    motor = Motor(BLDC, Load(dead_time_s=0.0, source_ohm=0.0, **load), rotor_rad=0.0)
     motor.rotor_kg_m2 = 1e9
-    for _ in range(400):
+    for _ in range(steps):
         motor.advance(5e-5, True, *closed_form(0.05, 0.0))
+    return motor
+
+
+def test_a_locked_winding_reaches_voltage_over_resistance():
+    motor = wound(400, blocked=True, ideal_gear=True)
     assert motor.i_d == pytest.approx(0.05 * 24 / motor.resistance_ohm(), rel=1e-3)
     assert motor.i_q == pytest.approx(0.0, abs=1e-6)
 
 
 def test_a_winding_rises_with_its_time_constant():
-    motor = Motor(BLDC, Load(dead_time_s=0.0, source_ohm=0.0), rotor_rad=0.0)
-    motor.rotor_kg_m2 = 1e9
-    for _ in range(10):
-        motor.advance(5e-5, True, *closed_form(0.05, 0.0))
+    motor = wound(10)
     share = 1 - math.exp(-5e-4 * BLDC.motor.resistance_ohm / BLDC.motor.inductance_H)
     assert motor.i_d == pytest.approx(share * 0.05 * 24 / BLDC.motor.resistance_ohm, rel=1e-3)
 

@@ -15,7 +15,7 @@ from host.sim.export.ground import Ground
 from host.sim.export.mjcf import ModelOptions
 from host.sim.grounds import GroundSpec, make_ground
 from host.sim.imu import SimulatedImu
-from host.sim.space.walk import FAST, figures, walk_in_space
+from host.sim.space.walk import FAST, walk_in_space
 from host.sim.space.world import World
 from host.sim.walk import WalkSpec
 
@@ -99,11 +99,3 @@ def test_two_runs_are_alike_and_another_seed_is_not():
     assert first.outcome.kind == "arrived"
     assert walk_in_space(walk).digest() == first.digest()
     assert walk_in_space(replace(walk, seed=1)).digest() != first.digest()
-
-
-def test_a_fall_is_told():
-    """The paper's trot at its own gains does not survive a 5 cm step: it falls or gets stuck, and says where."""
-    ground = GroundSpec("step", 0.05, start_m=0.25)
-    result = figures(walk_in_space(WalkSpec(ROBOT, "paper-trot", ground=ground, limit_s=25.0)))
-    assert not result["ok"]
-    assert result["reason"].startswith(("fell at", "stuck at", "timed out at"))
