@@ -37,20 +37,11 @@ class Push:
 
 
 @dataclass(frozen=True)
-class Lift:
-    """A hand that takes the trunk ``at_s`` after the start, lifts it by ``height_m`` and lets go after ``seconds``."""
-
-    at_s: float
-    height_m: float = 0.1
-    seconds: float = 3.0
-
-
-@dataclass(frozen=True)
 class WalkSpec:
     """A walk to simulate. ``limit_s`` None: see ``time_limit_s``; ``stuck_after_s`` without progress end it.
 
-    ``way``: one of WAYS; for "turn" speed and distance are rad/s and rad. Other ways than ahead, pushes and lifts are
-    in space only. ``built``: the robot as it is, where it is not quite what its file says, which the planner goes by.
+    ``way``: one of WAYS; for "turn" speed and distance are rad/s and rad. Other ways than ahead and pushes are in
+    space only. ``built``: the robot as it is, where it is not quite what its file says, which the planner goes by.
     """
 
     robot: Robot
@@ -68,7 +59,6 @@ class WalkSpec:
     stuck_after_s: float = 45.0  # to back off from an edge and crawl back may take over 30 s
     way: str = "ahead"
     push: Push | None = None
-    lift: Lift | None = None
     built: Robot | None = None
 
     def __post_init__(self) -> None:

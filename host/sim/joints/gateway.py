@@ -31,7 +31,7 @@ def _babble(sim: SimRobot) -> None:
     sim.each_ms.append(talk)
 
 
-FAULTS: dict[str, Callable[[SimRobot, int], None]] = {  # of a node, 1 .. 12
+FAULTS: dict[str, Callable[[SimRobot, int], object]] = {  # of a node, 1 .. 12
     "power-cycle": lambda sim, node: sim.joints[node - 1].power_cycle(),
     "power-off": lambda sim, node: power_off(sim, [node]),
     "e-stop": lambda sim, node: sim.nodes[node - 1].send(w.E_STOP_ID, b""),

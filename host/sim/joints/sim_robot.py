@@ -48,7 +48,7 @@ class SimRobot:
         self.ms = 0
         self.lock = threading.RLock()
         self.held = True  # by hand, seated, until all joints hold it themselves
-        self.events: dict[int, list[Callable[[], None]]] = {}
+        self.events: dict[int, list[Callable[[], object]]] = {}
         self.each_ms: list[Callable[[int], None]] = []
         self.advance_ms(START_MS)
 
@@ -76,7 +76,7 @@ class SimRobot:
         """True while no joint's bridge is on."""
         return not any(joint.bridge for joint in self.joints)
 
-    def at(self, ms: int, do: Callable[[], None]) -> None:
+    def at(self, ms: int, do: Callable[[], object]) -> None:
         """Have something happen at a millisecond from now."""
         self.events.setdefault(self.ms + ms, []).append(do)
 
@@ -87,13 +87,10 @@ class SimRobot:
     def advance_us(self, to_us: float) -> None:
         """Go on to a time; one thread at a time."""
         with self.lock:
-            self._advance_us(to_us)
-
-    def _advance_us(self, to_us: float) -> None:
-        while (self.ms + 1) * MS_US <= to_us:
-            self._millisecond()
-        for bus in self.buses:
-            bus.advance(to_us)
+            while (self.ms + 1) * MS_US <= to_us:
+                self._millisecond()
+            for bus in self.buses:
+                bus.advance(to_us)
 
     def _millisecond(self) -> None:
         now_us = (self.ms + 1) * MS_US

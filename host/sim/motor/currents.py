@@ -37,9 +37,7 @@ def _current(name: str, bldc: Bldc, load: Load) -> Result:
     bench.run(50)
     way = bench.fast
     settled = sum(way[-100:]) / 100
-    low = next(i for i, x in enumerate(way) if x >= 0.1 * CURRENT_A)
-    high = next(i for i, x in enumerate(way) if x >= 0.9 * CURRENT_A)
-    rise_ms = (_crossing(way, high, 0.9) - _crossing(way, low, 0.1)) * 1000 * STEP_S
+    rise_ms = (_crossing(way, 0.9) - _crossing(way, 0.1)) * 1000 * STEP_S
     overshoot = 100 * (max(way) / CURRENT_A - 1)
     error = 100 * abs(settled / CURRENT_A - 1)
     figures = {
@@ -85,8 +83,9 @@ def _axis_errors(bench: Bench, milliseconds: int) -> tuple[float, float]:
     return d / milliseconds, q / milliseconds
 
 
-def _crossing(way: list[float], at: int, share: float) -> float:
-    """Return when, in steps, the way to CURRENT_A passes a share of it just before sample ``at``."""
+def _crossing(way: list[float], share: float) -> float:
+    """Return when, in steps, the way to CURRENT_A first passes a share of it."""
+    at = next(i for i, current_A in enumerate(way) if current_A >= share * CURRENT_A)
     if at == 0:
         return 0.0
     return at - (way[at] - share * CURRENT_A) / (way[at] - way[at - 1])

@@ -25,18 +25,14 @@ class SwitchedWorld(World):
         self._gain, self._bias = self.model.actuator_gainprm.copy(), self.model.actuator_biasprm.copy()
         self.stall_Nm = self.model.actuator_forcerange[:, 1].copy()
 
-    def _rest(self) -> None:
-        """Put the robot seated on the floor below x = 0."""
+    def rest(self) -> None:
+        """Put the robot seated on the floor below x = 0; the time goes on."""
         mujoco.mj_resetData(self.model, self.data)
-        super()._rest()
+        super().rest()
         pose = np.array(seated_pose_rad(self.robot))
         self.data.qpos[self.joints.q] = pose
         self.data.qpos[self.joints.q[0] - 5] -= self.robot.stance.rest_height_m - self.robot.stance.sit_height_m
         mujoco.mj_forward(self.model, self.data)
-
-    def put_back(self) -> None:
-        """Lift the robot and put it down seated; the time goes on."""
-        self._rest()
 
     def drive(self, goal_rad: Sequence[float], on: Sequence[bool], limit: Sequence[float]) -> None:
         """Command the drives: their goals, which of them give torque, and up to what share of their stall torque."""
@@ -84,7 +80,7 @@ class SpacePlant(Plant):
 
     def put_back(self) -> None:
         """See Plant."""
-        self.world.put_back()
+        self.world.rest()
         self._look()
 
     def inertial(self) -> Motion:

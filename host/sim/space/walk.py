@@ -24,7 +24,6 @@ from ..export.mjcf import ModelOptions, drives
 from ..grounds import make_ground
 from ..imu import SimulatedImu
 from ..walk import WAYS, WalkSpec
-from .hand import Hand, lifted_m
 from .world import Array, World
 
 # (dt_s, impratio): twice as fast as in the exported model, with the same figures of a gait.
@@ -139,37 +138,17 @@ def walk_in_space(spec: WalkSpec, progress: Callable[[float], None] | None = Non
     """Simulate the walk; the same spec gives the same recording on the same machine."""
     walker = SpaceWalker(spec)
     walker.stand_up()
-    log, disturb = _Log(walker, spec), _disturbance(spec, walker.world)
+    log, push = _Log(walker, spec), spec.push
     ahead, left, turn = (spec.speed_m_s * share for share in WAYS[spec.way])
     walker.driver.set_command(mode="walk", vx_m_s=ahead, vy_m_s=left, wz_rad_s=turn)
     outcome = log.add(progress)
     while outcome is None:
-        disturb(log.time_s)
+        if push is not None:
+            pushed = 0 <= log.time_s - push.at_s < push.seconds - 1e-9
+            walker.world.push(push.force_N if pushed else (0.0, 0.0))
         walker.tick()
         outcome = log.add(progress)
     return log.close(outcome)
-
-
-def _disturbance(spec: WalkSpec, world: World) -> Callable[[float], None]:
-    """Return a function to call before each tick with its time: it pushes or lifts the trunk as specified."""
-    push, lift = spec.push, spec.lift
-    hands: list[Hand] = []
-
-    def act(time_s: float) -> None:
-        if push is not None:
-            pushed = 0 <= time_s - push.at_s < push.seconds - 1e-9
-            world.push(push.force_N if pushed else (0.0, 0.0))
-        if lift is None or time_s < lift.at_s:
-            return
-        if not hands:
-            hands.append(Hand(world))
-        since_s = time_s - lift.at_s
-        if since_s < lift.seconds:
-            hands[0].hold(lifted_m(since_s, lift.height_m, lift.seconds))
-        else:
-            hands[0].let_go()
-
-    return act
 
 
 def figures(recording: SpaceRecording, skip_s: float = 4.0) -> dict[str, Any]:
