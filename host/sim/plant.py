@@ -18,7 +18,7 @@ from ..robot.model import Robot
 from ..robot.plane import planar_robot
 from ..util.errors import UserError
 from .imu import Motion
-from .servos.plane import HonestServos, honest_servos
+from .servos.plane import honest_servos
 
 if TYPE_CHECKING:
     from sim2d.sensors import Sensed
@@ -65,21 +65,6 @@ class SwitchedServos:
         """See Actuator; in motor angles where calves are coupled."""
         for i, joint, model in self._rows:
             torque_Nm[i] = servo_torque_Nm(model, self._drives, joint, goal_rad[i], position_rad[i], speed_rad_s[i])
-
-
-class SwitchedHonest:
-    """The same of the plane's honest drives (servos/plane.py)."""
-
-    def __init__(self, servos: HonestServos, drives: Drives) -> None:
-        self._servos, self._drives = servos, drives
-
-    def torques(self, goal_rad: Told, position_rad: Told, speed_rad_s: Told, dt_s: float, torque_Nm: Given) -> None:
-        """See Actuator; in motor angles where calves are coupled."""
-        drives, servos = self._drives, self._servos
-        servos.most[:] = [drives.limit[joint] if drives.on[joint] else None for joint in PLANAR_INDEX]
-        servos.torques(goal_rad, position_rad, speed_rad_s, dt_s, torque_Nm)
-        for joint, law in zip(PLANAR_INDEX, servos.laws, strict=True):
-            drives.load[joint] = law.duty
 
 
 @dataclass
@@ -245,10 +230,8 @@ class PlanePlant(Plant):
     def __init__(self, robot: Robot, pose_rad: Sequence[float], seed: int = 0) -> None:
         super().__init__(robot, pose_rad)
         models, (plane, self._servos) = joint_models(robot), honest_servos(robot, planar_robot(robot), None)
-        motors: Actuator = SwitchedServos([models[i] for i in PLANAR_INDEX], self.drives)
-        if self._servos:
-            motors = SwitchedHonest(self._servos, self.drives)
-        self._body = PlaneBody(robot, pose_rad, motors, seed, plane)
+        simple = SwitchedServos([models[i] for i in PLANAR_INDEX], self.drives)
+        self._body = PlaneBody(robot, pose_rad, self._servos or simple, seed, plane)
         self.world, self.position_rad, self.speed_rad_s = (
             self._body.world, self._body.position_rad, self._body.speed_rad_s)
 
@@ -269,4 +252,10 @@ class PlanePlant(Plant):
         return (0.0, sensed.pitch_rate_rad_s, 0.0), (force_x, 0.0, force_z)
 
     def _run(self, steps: int) -> None:
-        self._body.run(self.drives.goal_rad, steps, lambda joint, hinge: hinge.driven(self.drives, joint, DT_S))
+        drives, servos = self.drives, self._servos
+        if servos:
+            servos.most[:] = [drives.limit[joint] if drives.on[joint] else None for joint in PLANAR_INDEX]
+        self._body.run(drives.goal_rad, steps, lambda joint, hinge: hinge.driven(drives, joint, DT_S))
+        if servos:
+            for joint, law in zip(PLANAR_INDEX, servos.laws, strict=True):
+                drives.load[joint] = law.duty
