@@ -171,14 +171,13 @@ class World:
         return bytes(self._read.float_buf()[: 8 * BODY_FIELDS * self._moving])
 
     def contacts(self) -> Contacts:
-        """Forces and overlaps of the last sub-step."""
+        """Forces and overlaps of the last sub-step. Sums are exact: the order of contacts is that of the memory."""
         buffer = self._touch
         buffer.clear()
         batch.get_space_arbiters(self.space, _CONTACT, buffer)
         ints = memoryview(buffer.int_buf()).cast("B").cast("P")
         floats = memoryview(buffer.float_buf()).cast("B").cast("d")
-        force = [[0.0, 0.0] for _ in range(4)]
-        touches = [False] * 4
+        pushes: list[list[tuple[float, float]]] = [[] for _ in range(4)]
         torso, deepest = False, 0.0
         for k in range(len(ints) // 3):
             body_a, body_b, count = ints[3 * k : 3 * k + 3]
@@ -191,10 +190,9 @@ class World:
             leg = (index - 1) // 2
             if index > 0 and index % 2 == 0 and self._near_foot(leg, x, z):
                 sign = 1.0 if body_a in self._body_index else -1.0
-                touches[leg] = True
-                force[leg][0] += sign * push_x / self.dt_s
-                force[leg][1] += sign * push_z / self.dt_s
-        return Contacts(tuple((fx, fz) for fx, fz in force), tuple(touches), torso, deepest)
+                pushes[leg].append((sign * push_x / self.dt_s, sign * push_z / self.dt_s))
+        force = tuple((math.fsum(x for x, _ in foot), math.fsum(z for _, z in foot)) for foot in pushes)
+        return Contacts(force, tuple(bool(foot) for foot in pushes), torso, deepest)
 
     def _near_foot(self, leg: int, x_m: float, z_m: float) -> bool:
         foot = self.parts.bodies[2 + 2 * leg].local_to_world(self.parts.calf_foot_m)

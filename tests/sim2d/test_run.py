@@ -1,6 +1,8 @@
 """A run: how it starts, what the controller senses, when goals act, how it ends."""
 
+import itertools
 import math
+import struct
 from dataclasses import replace
 
 import numpy as np
@@ -212,6 +214,39 @@ def test_bodies_visited_in_another_order_are_noticed(robot):
     assert _count_bodies(world.space, world.parts.bodies) >= 9
     with pytest.raises(RuntimeError, match="another order"):
         _count_bodies(world.space, world.parts.bodies[::-1])
+
+
+class Listed:
+    """Contacts of a foot as pymunk.batch lists them: whose, how many points, and how hard and where it is pushed."""
+
+    def __init__(self, foot, place, pushes):
+        self.ints = struct.pack(f"{3 * len(pushes)}P", *[number for _ in pushes for number in (foot, 0, 1)])
+        self.floats = struct.pack(f"{5 * len(pushes)}d", *[part for push in pushes for part in (*push, *place, 0.0)])
+
+    def clear(self):
+        """Keep what is there."""
+
+    def int_buf(self):
+        return self.ints
+
+    def float_buf(self):
+        return self.floats
+
+
+def test_in_whatever_order_contacts_are_listed_the_force_is_the_same(robot, monkeypatch):
+    """They are listed by where they lie in memory; three pushes summed one by one differed in the last bit."""
+    world = World(robot, terrain.flat())
+    world.place(robot.stand_pose_rad)
+    calf = world.parts.bodies[2]
+    monkeypatch.setattr("sim2d.world.batch.get_space_arbiters", lambda *_: None)
+    forces = set()
+    for pushes in itertools.permutations([(0.57, 0.7), (0.69, 0.26), (0.59, 0.35)]):
+        world._touch = Listed(calf.id, calf.local_to_world(world.parts.calf_foot_m), pushes)
+        contacts = world.contacts()
+        assert contacts.foot_touches == (True, False, False, False)
+        forces.add(contacts.foot_force_N)
+    assert len(forces) == 1
+    assert forces.pop()[0] == pytest.approx((1850, 1310))
 
 
 @pytest.mark.parametrize("shank_radius_m", [0.006, 1e-5])
