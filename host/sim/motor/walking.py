@@ -21,6 +21,7 @@ from ...robot.joint_heat import COPPER_PER_K
 from ...robot.joint_units import JointSetup
 from ...robot.mass import leg_inertia_kg_m2
 from ...robot.model import Robot
+from ..energy import drives_power_W
 
 CYCLE_MS = 20  # between goals of a planner at 50 Hz; set-points go straight from one to the next
 SETPOINT_MS = 5  # 200 Hz on the bus
@@ -158,8 +159,6 @@ def transport(robot: Robot, recording: Recording, payload_kg: float, motors: Joi
     """
     way_m = float(recording.torso_x_m[-1] - recording.torso_x_m[0])
     if motors is None:
-        from ..energy import drives_power_W
-
         power_W = drives_power_W(robot, recording.torque_Nm, recording.joint_speed_rad_s)
         drawn = power_W * float(recording.time_s[-1] - recording.time_s[0])
         returned = 0.0
