@@ -107,9 +107,9 @@ class Chip:
         if block:
             block.write(address - block.base, value, size)
 
-    def view(self, base: int, size: int = 4, cost_cycles: int = 4) -> View:
-        """Return registers from ``base`` on as an array of ``size``-byte words; each access takes ``cost_cycles``."""
-        return View(self, base, size, cost_cycles)
+    def view(self, base: int, size: int = 4) -> View:
+        """Return registers from ``base`` on as an array of ``size``-byte words; each access takes 4 cycles."""
+        return View(self, base, size, 4)
 
     # -- time --
 

@@ -25,13 +25,11 @@ START_MS = 300  # until the joints have measured their current offsets
 class SimRobot:
     """The robot, its bus and its clock. ``in_vm``: the nodes whose firmware runs in a MicroPython VM of its own."""
 
-    def __init__(
-        self, robot: Robot, seed: int = 0, body: TorqueBody | None = None, in_vm: Collection[int] = ()
-    ) -> None:
+    def __init__(self, robot: Robot, seed: int = 0, in_vm: Collection[int] = ()) -> None:
         assert robot.bus.kind == "can"
         self.robot = robot
         self.buses = [SimBus(robot.bus.bitrate, seed + i) for i in range(len(robot.bus.channels))]
-        self.body = TorqueBody(robot, seed=seed) if body is None else body
+        self.body = TorqueBody(robot, seed)
         setups = joint_setups(robot)
         bldc = robot.actuator
         assert bldc.kind == "bldc"
@@ -120,11 +118,11 @@ class SimPort(Port):
 
     name = "simulated"
 
-    def __init__(self, sim: SimRobot, bus: SimBus | None = None, room: int = 64) -> None:
+    def __init__(self, sim: SimRobot, bus: SimBus | None = None) -> None:
         super().__init__()
         self.sim, self.late_s, self._random = sim, 0.0, random.Random(1)
         self._queue: deque[Received] = deque()
-        self.node = (bus or sim.bus).attach(self._deliver, room)
+        self.node = (bus or sim.bus).attach(self._deliver)
 
     def _deliver(self, time_us: int, identifier: int, data: bytes) -> None:
         self._queue.append(Received(time_us * 1e-6, identifier, data))

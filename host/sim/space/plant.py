@@ -56,11 +56,11 @@ class SwitchedWorld(World):
 
 
 class SpacePlant(Plant):
-    """A robot that waits seated on some ground. A drive that is off turns freely against its friction and damping."""
+    """A robot that waits seated. A drive that is off turns freely against its friction and damping."""
 
-    def __init__(self, robot: Robot, ground: Ground | None = None) -> None:
+    def __init__(self, robot: Robot) -> None:
         super().__init__(robot, seated_pose_rad(robot))
-        self.set_ground(Ground("flat") if ground is None else ground)
+        self.set_ground(Ground("flat"))
 
     def set_ground(self, ground: Ground) -> None:
         """Put the robot down, seated and with its drives off, on another ground."""
