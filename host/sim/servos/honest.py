@@ -192,7 +192,7 @@ class StandPort(LoopbackPort):
 
 
 class HonestStand:
-    """An imaginary robot's servos on an emulated bus, in simulated time. ``seed`` None: as the robot's file says."""
+    """An imaginary robot's servos on an emulated bus, in simulated time."""
 
     def __init__(self, robot: Robot, calibration: Calibration, made: Made, pose_rad: Sequence[float]) -> None:
         self.robot, self.now_s = robot, 0.0
