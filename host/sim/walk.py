@@ -118,7 +118,6 @@ def run_walk(
         raise UserError("walk: in the plane a robot only walks ahead, and can't be pushed")
     controller = PlannerController(spec)
     robot, servos = honest_servos(spec.body, planar_robot(spec.body, foot_friction=spec.friction), spec.voltage_V)
-    voltage_V = robot.thigh_servo.nominal_voltage_V if spec.voltage_V is None else spec.voltage_V
     try:
         recording = simulate(
             robot,
@@ -127,7 +126,7 @@ def run_walk(
             duration_s=spec.time_limit_s,
             distance_m=spec.distance_m,
             payload_kg=spec.payload_kg,
-            supply_voltage_V=voltage_V,
+            supply_voltage_V=spec.voltage_V,
             bus_delay_s=spec.bus_delay_s,
             seed=spec.seed,
             stuck_after_s=spec.stuck_after_s,
