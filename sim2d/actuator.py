@@ -1,5 +1,6 @@
 """The joint drives of the plane: goals and joint state in, torques out, once per sub-step.
 
+They work in motor angles: where calves' motors sit on the torso, the world wraps them (``CalfOnTorso``).
 Every sequence has PLANAR_JOINTS entries (thigh and calf of FR, FL, RR, RL). A drive may keep state of its
 own (a joint controller, a rotor): ``dt_s`` is the time since its last call.
 """
@@ -7,7 +8,7 @@ own (a joint controller, a rotor): ``dt_s`` is the time since its last call.
 from collections.abc import MutableSequence, Sequence
 from typing import Protocol
 
-from .model import PLANAR_JOINTS, PlanarRobot, ServoModel
+from .model import PLANAR_JOINTS, ServoModel
 
 Told = Sequence[float]
 Given = MutableSequence[float]
@@ -85,34 +86,8 @@ class CalfOnTorso:
             torque_Nm[thigh] += torque_Nm[thigh + 1]
 
 
-class CoupledDrives(CalfOnTorso):
-    """The same for drives that report their torques."""
-
-    def __init__(self, motors: Drives) -> None:
-        super().__init__(motors)
-        self._drives = motors
-
-    @property
-    def given_Nm(self) -> Sequence[float]:
-        """See ``Drives``: the motors' torques, not the joints'."""
-        return self._drives.given_Nm
-
-    @property
-    def limit_Nm(self) -> Sequence[float]:
-        """See ``Drives``."""
-        return self._drives.limit_Nm
-
-
 def _to_motor(joint: Sequence[float], motor: MutableSequence[float]) -> None:
     """Write motor values (thigh, thigh + calf) from joint values (thigh, calf), leg by leg."""
     for thigh in range(0, PLANAR_JOINTS, 2):
         motor[thigh] = joint[thigh]
         motor[thigh + 1] = joint[thigh] + joint[thigh + 1]
-
-
-def servos_of(robot: PlanarRobot, supply_voltage_V: float) -> Drives:
-    """Return the robot's own position servos at a supply voltage, coupled if its calves are."""
-    thigh = robot.thigh_servo.at_voltage(supply_voltage_V)
-    calf = robot.calf_servo.at_voltage(supply_voltage_V)
-    servos = PositionServos([thigh, calf] * 4)
-    return CoupledDrives(servos) if robot.calf_on_torso else servos

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import pymunk
 
-from .model import CALF, HIP, PLANAR_JOINTS, THIGH, Link, PlanarRobot
+from .model import CALF, HIP, PLANAR_INDEX, PLANAR_JOINTS, THIGH, Link, PlanarRobot
 
 # All parts of the robot share one group: near and far legs overlap in the plane and must not collide.
 ROBOT_GROUP = 1
@@ -149,7 +149,7 @@ def _set(body: pymunk.Body, point_m: tuple[float, float], anchor_m: tuple[float,
 
 def planar(joints_rad: Sequence[float]) -> list[float]:
     """Return the plane's eight of twelve joint values, thigh and calf of each leg."""
-    return [joints_rad[leg * 3 + joint] for leg in range(4) for joint in (THIGH, CALF)]
+    return [joints_rad[joint] for joint in PLANAR_INDEX]
 
 
 def all_joints(planar_values: Sequence[float], hips: Sequence[float]) -> list[float]:

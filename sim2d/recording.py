@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 Array = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
-Setting = float | str
 
 
 @dataclass(frozen=True)
@@ -66,7 +65,6 @@ class Recording:
     stall_Nm: Array
     foot_radius_m: float
     terrain: Terrain
-    settings: dict[str, Setting]
     outcome: Outcome
     real_time_factor: float
     notes: tuple[Note, ...] = ()
@@ -112,9 +110,9 @@ class Log:
         self._goals.append(goals_rad)
         self._torques.append(list(self._drives.given_Nm))
 
-    def close(self, outcome: Outcome, wall_s: float, settings: dict[str, Setting]) -> Recording:
+    def close(self, outcome: Outcome, wall_s: float) -> Recording:
         """Return the recording; ``wall_s`` is the wall-clock time of the ticks."""
-        world, robot, parts = self._world, self._world.robot, self._world.parts
+        world, parts = self._world, self._world.parts
         everything = np.frombuffer(b"".join(self._states)).reshape(len(self._states), -1, BODY_FIELDS)
         state, loose = everything[:, :ROBOT_BODIES], everything[:, ROBOT_BODIES:]
         goals = np.array(self._goals)
@@ -145,9 +143,8 @@ class Log:
             stone_xz_m=loose[:, :, 0:2].copy(),
             stone_turn_rad=loose[:, :, 2].copy(),
             stall_Nm=_spread(np.array([self._drives.limit_Nm]))[0],
-            foot_radius_m=robot.foot_radius_m,
+            foot_radius_m=world.robot.foot_radius_m,
             terrain=world.terrain,
-            settings={"robot": robot.name, "terrain": world.terrain.name, **settings},
             outcome=outcome,
             real_time_factor=simulated_s / wall_s if wall_s > 0 else 0.0,
         )

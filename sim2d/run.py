@@ -34,22 +34,16 @@ class _Run:
     """The parts of one run, tick by tick."""
 
     def __init__(
-        self,
-        world: World,
-        drives: Drives,
-        controller: Controller,
-        pose_rad: Sequence[float],
-        bus_delay_s: float,
-        seed: int,
+        self, world: World, drives: Drives, controller: Controller, bus_delay_s: float, seed: int
     ) -> None:
         self.world, self._controller = world, controller
-        self._goals = clamped(world.robot, pose_rad)
+        self._goals = clamped(world.robot, world.robot.stand_pose_rad)
         self._bus = LateBus(world, bus_delay_s, planar(self._goals))
         self._sensors, self.log = Sensors(world, seed), Log(world, drives)
         self._ticks, self._start_step = 0, 0
 
     def settle(self, seconds: float) -> float:
-        """Hold the first pose, set the time after it to 0, and return the torso's x then, m."""
+        """Hold the stand, set the time after it to 0, and return the torso's x then, m."""
         self._start_step = round(seconds / self.world.dt_s)
         self._bus.advance_to(self._start_step)
         return self.log.torso_of(self.world.state())[0]
@@ -89,7 +83,6 @@ def simulate(
     seed: int = 0,
     dt_s: float = 0.001,
     start_x_m: float = 0.0,
-    initial_pose_rad: Sequence[float] | None = None,
     settle_s: float = 0.5,
     stuck_after_s: float = 10.0,
     actuator: Drives | None = None,
@@ -97,33 +90,23 @@ def simulate(
 ) -> Recording:
     """Run ``controller`` on ``robot`` over ``terrain`` and return the recording of every control tick.
 
-    The robot starts at rest at ``start_x_m`` in ``initial_pose_rad`` (default: the robot's stand), sinks into
-    its servos for ``settle_s`` and then hears the controller from time 0. It ends when ``distance_m`` is
-    walked from there, on a fall, when no progress is made for ``stuck_after_s``, or after ``duration_s``. ``progress``
-    gets the share done, 0 .. 1, each tick. The supply is the servos' nominal voltage unless told otherwise.
-    Bad arguments raise ValueError with one line.
+    The robot starts at rest at ``start_x_m`` in its stand, sinks into its servos for ``settle_s`` and then hears the
+    controller from time 0. It ends when ``distance_m`` is walked from there, on a fall, when no progress is made for
+    ``stuck_after_s``, or after ``duration_s``. ``progress`` gets the share done, 0 .. 1, each tick. The supply is the
+    servos' nominal voltage unless told otherwise. Bad arguments raise ValueError with one line.
     """
     _check_run(controller.rate_hz, duration_s, distance_m, dt_s, settle_s, start_x_m)
-    pose = checked(robot.stand_pose_rad if initial_pose_rad is None else initial_pose_rad, "initial pose")
+    checked(robot.stand_pose_rad, "initial pose")
     world = World(
         robot, terrain, payload_kg=payload_kg, supply_voltage_V=supply_voltage_V, actuator=actuator, dt_s=dt_s
     )
-    world.place(pose, start_x_m)
-    run = _Run(world, world.servos if actuator is None else actuator, controller, pose, bus_delay_s, seed)
+    world.place(robot.stand_pose_rad, start_x_m)
+    run = _Run(world, world.servos if actuator is None else actuator, controller, bus_delay_s, seed)
     referee = Referee(run.settle(settle_s), distance_m, duration_s, stuck_after_s)
     began, outcome = time.perf_counter(), None
     while outcome is None:
         outcome = run.tick(referee, progress)
-    settings: dict[str, float | str] = {
-        "payload_kg": payload_kg,
-        "supply_voltage_V": world.supply_voltage_V,
-        "bus_delay_s": bus_delay_s,
-        "seed": seed,
-        "dt_s": dt_s,
-        "start_x_m": start_x_m,
-        "settle_s": settle_s,
-    }
-    return run.log.close(outcome, time.perf_counter() - began, settings)
+    return run.log.close(outcome, time.perf_counter() - began)
 
 
 def _check_run(

@@ -18,6 +18,7 @@ AHEAD_M = 120.0
 # Past the last edge by more than half a robot: then the hind feet have met it too.
 RUN_OUT_M = 0.45
 STAIRS = 8
+PLATEAU_M = 0.5
 
 
 @dataclass(frozen=True)
@@ -71,15 +72,14 @@ def flat() -> Terrain:
     return Terrain("flat", _ground([(0.0, 0.0)]))
 
 
-def ramp(angle_deg: float, start_m: float = 0.35, length_m: float = 0.8, plateau_m: float = 0.5) -> Terrain:
+def ramp(angle_deg: float, start_m: float = 0.35, length_m: float = 0.8) -> Terrain:
     """Up a slope of ``length_m`` along the ground, over a plateau, and down again."""
     _check("angle_deg", angle_deg, 0.0, 40.0)
     _check_start(start_m)
     _check("length_m", length_m, 0.1, 4.0)
-    _check("plateau_m", plateau_m, 0.0, 2.0)
     run, rise = length_m * math.cos(math.radians(angle_deg)), length_m * math.sin(math.radians(angle_deg))
     top = start_m + run
-    corners = [(start_m, 0.0), (top, rise), (top + plateau_m, rise), (top + plateau_m + run, 0.0)]
+    corners = [(start_m, 0.0), (top, rise), (top + PLATEAU_M, rise), (top + PLATEAU_M + run, 0.0)]
     return Terrain("ramp", _ground(corners), (), corners[-1][0] + RUN_OUT_M)
 
 

@@ -13,12 +13,12 @@ from typing import Any
 
 import numpy as np
 
+from .model import LEGS
 from .recording import Array, Recording
 from .terrain import Point
 
 PAGE = Path(__file__).parent / "pages" / "walk.html"
 FRAMES_PER_S = 25
-LEG_NAMES = ("FR", "FL", "RR", "RL")
 STONE_STEP_M, STONE_STEP_RAD = 2e-4, 0.02  # a stone that moved less since it was last drawn stays where it is
 MARGIN_M = 0.03
 LEG_COLOURS = ("#d2691e", "#e9b88f", "#7a3e10", "#c99a72")
@@ -142,7 +142,7 @@ def _draw_side(axes: Any, rec: Recording) -> None:
     for leg in range(4):
         foot = rec.foot_xz_m[:, leg]
         axes.plot(foot[:, 0], foot[:, 1] - rec.foot_radius_m, color=LEG_COLOURS[leg], linewidth=0.8,
-                  label=f"{LEG_NAMES[leg]} sole")
+                  label=f"{LEGS[leg]} sole")
     axes.plot(rec.torso_x_m, rec.torso_z_m, color="#2f4a6d", linewidth=1.4, label="torso")
     for row in _poses(rec):
         for leg in (0, 2):

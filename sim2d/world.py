@@ -20,7 +20,7 @@ import pymunk
 from pymunk import batch
 
 from . import body
-from .actuator import Actuator, servos_of
+from .actuator import Actuator, CalfOnTorso, PositionServos
 from .model import GRAVITY_M_S2, PLANAR_JOINTS, PlanarRobot, least_inertia_kgm2
 from .terrain import Terrain
 
@@ -79,7 +79,6 @@ class World:
         if not 0 < dt_s <= MAX_DT_S:
             raise ValueError(f"dt_s = {dt_s}: allowed above 0 and up to {MAX_DT_S}, where the servos stay accurate")
         voltage_V = robot.thigh_servo.nominal_voltage_V if supply_voltage_V is None else supply_voltage_V
-        self.supply_voltage_V = voltage_V
         if actuator is None:
             _check_stable(robot, voltage_V, dt_s)
         self.robot, self.terrain, self.dt_s = robot, terrain, dt_s
@@ -87,8 +86,10 @@ class World:
         self.space = _space(dt_s)
         self.parts = body.build(self.space, robot, payload_kg, _JOINT_ERROR_LEFT ** (1 / dt_s))
         _add_ground(self.space, terrain)
-        self.servos = servos_of(robot, voltage_V)
-        self._actuator = self.servos if actuator is None else actuator
+        thigh, calf = robot.thigh_servo.at_voltage(voltage_V), robot.calf_servo.at_voltage(voltage_V)
+        self.servos = PositionServos([thigh, calf] * 4)
+        motors: Actuator = self.servos if actuator is None else actuator
+        self._actuator: Actuator = CalfOnTorso(motors) if robot.calf_on_torso else motors
         self._stops = _end_stops(robot, self.parts.bodies, dt_s)
         self._moving = ROBOT_BODIES + len(terrain.loose)
         self.position_rad = [0.0] * PLANAR_JOINTS
@@ -170,14 +171,13 @@ class World:
         return bytes(self._read.float_buf()[: 8 * BODY_FIELDS * self._moving])
 
     def contacts(self) -> Contacts:
-        """Forces and overlaps of the last sub-step."""
+        """Forces and overlaps of the last sub-step. Sums are exact: the order of contacts is that of the memory."""
         buffer = self._touch
         buffer.clear()
         batch.get_space_arbiters(self.space, _CONTACT, buffer)
         ints = memoryview(buffer.int_buf()).cast("B").cast("P")
         floats = memoryview(buffer.float_buf()).cast("B").cast("d")
-        force = [[0.0, 0.0] for _ in range(4)]
-        touches = [False] * 4
+        pushes: list[list[tuple[float, float]]] = [[] for _ in range(4)]
         torso, deepest = False, 0.0
         for k in range(len(ints) // 3):
             body_a, body_b, count = ints[3 * k : 3 * k + 3]
@@ -190,10 +190,9 @@ class World:
             leg = (index - 1) // 2
             if index > 0 and index % 2 == 0 and self._near_foot(leg, x, z):
                 sign = 1.0 if body_a in self._body_index else -1.0
-                touches[leg] = True
-                force[leg][0] += sign * push_x / self.dt_s
-                force[leg][1] += sign * push_z / self.dt_s
-        return Contacts(tuple((fx, fz) for fx, fz in force), tuple(touches), torso, deepest)
+                pushes[leg].append((sign * push_x / self.dt_s, sign * push_z / self.dt_s))
+        force = tuple((math.fsum(x for x, _ in foot), math.fsum(z for _, z in foot)) for foot in pushes)
+        return Contacts(force, tuple(bool(foot) for foot in pushes), torso, deepest)
 
     def _near_foot(self, leg: int, x_m: float, z_m: float) -> bool:
         foot = self.parts.bodies[2 + 2 * leg].local_to_world(self.parts.calf_foot_m)

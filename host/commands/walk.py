@@ -79,10 +79,10 @@ def walk(
     if where not in WORLDS:
         raise UserError(f"--in {where}: allowed {' or '.join(WORLDS)}")
     more: dict[str, Any] = {}
-    motors, actuator = joint_motors(data) if isinstance(data.actuator, Bldc) and where == "plane" else (None, None)
+    motors = joint_motors(data) if isinstance(data.actuator, Bldc) and where == "plane" else None
     with progress(f"{data.name} walks {distance:g} m ({terrain})", 1.0) as show:
         if where == "plane":
-            recording = run_walk(spec, show, actuator=actuator)
+            recording = run_walk(spec, show, actuator=motors)
         else:
             from ..sim.space.side import run_in_space
 

@@ -23,20 +23,15 @@ PUT_BACK_S = 0.01  # the loop waits for the answer
 
 def simulated(robot: Robot, space: bool = False, clock: Callable[[], float] = time.monotonic) -> Hardware:
     """Return the drives of the plane, or of three dimensions, which goals reach without any bus."""
+    plant = stage = None
     if space:
-        return _in_space(robot, clock)
-    bus = SimulatedBus(robot, clock)
+        from .space.plant import SpacePlant
+
+        plant = there = SpacePlant(robot)
+        stage = Stage(profiles(), lambda name: there.set_ground(ground(name)), there.place)
+    bus = SimulatedBus(robot, clock, plant)
     attitude = Attitude(robot, SimulatedImu(robot, bus.plant.inertial))
-    return Hardware(bus, attitude, bus.plant.put_back, turns=False, simulated=True)
-
-
-def _in_space(robot: Robot, clock: Callable[[], float]) -> Hardware:
-    from .space.plant import SpacePlant
-
-    plant = SpacePlant(robot)
-    stage = Stage(profiles(), lambda name: plant.set_ground(ground(name)), plant.place)
-    attitude = Attitude(robot, SimulatedImu(robot, plant.inertial))
-    return Hardware(SimulatedBus(robot, clock, plant), attitude, plant.put_back, simulated=True, stage=stage)
+    return Hardware(bus, attitude, bus.plant.put_back, turns=space, simulated=True, stage=stage)
 
 
 @contextmanager
@@ -61,5 +56,5 @@ def emulated(robot: Robot, calibration: Path | None, source: str, space: bool = 
         sensor = EmulatorImu(emulator)
         stage = None
         if space:
-            stage = Stage(profiles(), lambda name: sensor.choose(name), lambda: sensor.place)
+            stage = Stage(profiles(), sensor.choose, lambda: sensor.place)
         yield Hardware(bus, Attitude(robot, sensor), put_back, turns=space, simulated=True, stage=stage)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from math import copysign
 from typing import TYPE_CHECKING
 
-from sim2d.actuator import Actuator, CalfOnTorso, Given, Told
+from sim2d.actuator import Actuator, Given, Told
 from sim2d.model import GRAVITY_M_S2, PLANAR_INDEX, PLANAR_JOINTS, PlanarRobot, ServoModel
 
 from ..bus.base import JOINTS
@@ -18,7 +18,7 @@ from ..robot.model import Robot
 from ..robot.plane import planar_robot
 from ..util.errors import UserError
 from .imu import Motion
-from .servos.plane import HonestServos, honest_servos
+from .servos.plane import honest_servos
 
 if TYPE_CHECKING:
     from sim2d.sensors import Sensed
@@ -65,21 +65,6 @@ class SwitchedServos:
         """See Actuator; in motor angles where calves are coupled."""
         for i, joint, model in self._rows:
             torque_Nm[i] = servo_torque_Nm(model, self._drives, joint, goal_rad[i], position_rad[i], speed_rad_s[i])
-
-
-class SwitchedHonest:
-    """The same of the plane's honest drives (servos/plane.py)."""
-
-    def __init__(self, servos: HonestServos, drives: Drives) -> None:
-        self._servos, self._drives = servos, drives
-
-    def torques(self, goal_rad: Told, position_rad: Told, speed_rad_s: Told, dt_s: float, torque_Nm: Given) -> None:
-        """See Actuator; in motor angles where calves are coupled."""
-        drives, servos = self._drives, self._servos
-        servos.most[:] = [drives.limit[joint] if drives.on[joint] else None for joint in PLANAR_INDEX]
-        servos.torques(goal_rad, position_rad, speed_rad_s, dt_s, torque_Nm)
-        for joint, law in zip(PLANAR_INDEX, servos.laws, strict=True):
-            drives.load[joint] = law.duty
 
 
 @dataclass
@@ -133,9 +118,9 @@ class Plant(ABC):
             self._run(steps)
             self.time_s += steps * DT_S
 
-    @abstractmethod
     def push(self, joint: int, angle_rad: float) -> None:
-        """Turn one joint by hand, which only works while it is off."""
+        """Turn one joint by hand, which only works while it is off, and on a bench."""
+        raise UserError(f"joint {joint}: can't be turned by hand while the robot stands; lift it, or use a bench")
 
     @abstractmethod
     def put_back(self) -> None:
@@ -212,7 +197,7 @@ class PlaneBody:
         from sim2d.world import World
 
         plane = plane or planar_robot(robot)
-        self.world = World(plane, flat(), actuator=CalfOnTorso(motors) if plane.calf_on_torso else motors, dt_s=DT_S)
+        self.world = World(plane, flat(), actuator=motors, dt_s=DT_S)
         self._robot, self._pose_rad, self._start = robot, tuple(pose_rad), clamped(plane, pose_rad)
         self.position_rad, self.speed_rad_s = list(pose_rad), [0.0] * JOINTS
         self.put_back()
@@ -245,25 +230,14 @@ class PlanePlant(Plant):
     def __init__(self, robot: Robot, pose_rad: Sequence[float], seed: int = 0) -> None:
         super().__init__(robot, pose_rad)
         models, (plane, self._servos) = joint_models(robot), honest_servos(robot, planar_robot(robot), None)
-        motors: Actuator = SwitchedServos([models[i] for i in PLANAR_INDEX], self.drives)
-        if self._servos:
-            motors = SwitchedHonest(self._servos, self.drives)
-        self._body = PlaneBody(robot, pose_rad, motors, seed, plane)
+        simple = SwitchedServos([models[i] for i in PLANAR_INDEX], self.drives)
+        self._body = PlaneBody(robot, pose_rad, self._servos or simple, seed, plane)
         self.world, self.position_rad, self.speed_rad_s = (
             self._body.world, self._body.position_rad, self._body.speed_rad_s)
 
-    @property
-    def x_m(self) -> float:
-        """Where the body is."""
-        return float(self.world.parts.bodies[0].position.x)
-
     def pose(self) -> tuple[float, float, float]:
         """See Plant."""
-        return self.x_m, 0.0, 0.0
-
-    def push(self, joint: int, angle_rad: float) -> None:
-        """See Plant; only hips can be turned by hand, the others stand on the ground."""
-        raise UserError(f"joint {joint}: can't be turned by hand while the robot stands; lift it, or use a bench")
+        return float(self.world.parts.bodies[0].position.x), 0.0, 0.0
 
     def put_back(self) -> None:
         """See Plant."""
@@ -278,4 +252,10 @@ class PlanePlant(Plant):
         return (0.0, sensed.pitch_rate_rad_s, 0.0), (force_x, 0.0, force_z)
 
     def _run(self, steps: int) -> None:
-        self._body.run(self.drives.goal_rad, steps, lambda joint, hinge: hinge.driven(self.drives, joint, DT_S))
+        drives, servos = self.drives, self._servos
+        if servos:
+            servos.most[:] = [drives.limit[joint] if drives.on[joint] else None for joint in PLANAR_INDEX]
+        self._body.run(drives.goal_rad, steps, lambda joint, hinge: hinge.driven(drives, joint, DT_S))
+        if servos:
+            for joint, law in zip(PLANAR_INDEX, servos.laws, strict=True):
+                drives.load[joint] = law.duty

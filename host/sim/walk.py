@@ -18,7 +18,7 @@ from ..robot.model import JOINT_NAMES, LEG_NAMES, Robot
 from ..robot.plane import planar_robot
 from ..util.errors import UserError
 from .grounds import FLAT, ONLY_SPACE, GroundSpec, make_terrain
-from .servos.plane import coupled, honest_servos
+from .servos.plane import honest_servos
 
 # How a walk's way is measured: ahead and to the left in m, turning to the left in rad.
 WAYS: dict[str, tuple[int, int, int]] = {"ahead": (1, 0, 0), "back": (-1, 0, 0), "left": (0, 1, 0), "turn": (0, 0, 1)}
@@ -37,20 +37,11 @@ class Push:
 
 
 @dataclass(frozen=True)
-class Lift:
-    """A hand that takes the trunk ``at_s`` after the start, lifts it by ``height_m`` and lets go after ``seconds``."""
-
-    at_s: float
-    height_m: float = 0.1
-    seconds: float = 3.0
-
-
-@dataclass(frozen=True)
 class WalkSpec:
     """A walk to simulate. ``limit_s`` None: see ``time_limit_s``; ``stuck_after_s`` without progress end it.
 
-    ``way``: one of WAYS; for "turn" speed and distance are rad/s and rad. Other ways than ahead, pushes and lifts are
-    in space only. ``built``: the robot as it is, where it is not quite what its file says, which the planner goes by.
+    ``way``: one of WAYS; for "turn" speed and distance are rad/s and rad. Other ways than ahead and pushes are in
+    space only. ``built``: the robot as it is, where it is not quite what its file says, which the planner goes by.
     """
 
     robot: Robot
@@ -68,7 +59,6 @@ class WalkSpec:
     stuck_after_s: float = 45.0  # to back off from an edge and crawl back may take over 30 s
     way: str = "ahead"
     push: Push | None = None
-    lift: Lift | None = None
     built: Robot | None = None
 
     def __post_init__(self) -> None:
@@ -128,7 +118,6 @@ def run_walk(
         raise UserError("walk: in the plane a robot only walks ahead, and can't be pushed")
     controller = PlannerController(spec)
     robot, servos = honest_servos(spec.body, planar_robot(spec.body, foot_friction=spec.friction), spec.voltage_V)
-    voltage_V = robot.thigh_servo.nominal_voltage_V if spec.voltage_V is None else spec.voltage_V
     try:
         recording = simulate(
             robot,
@@ -137,11 +126,11 @@ def run_walk(
             duration_s=spec.time_limit_s,
             distance_m=spec.distance_m,
             payload_kg=spec.payload_kg,
-            supply_voltage_V=voltage_V,
+            supply_voltage_V=spec.voltage_V,
             bus_delay_s=spec.bus_delay_s,
             seed=spec.seed,
             stuck_after_s=spec.stuck_after_s,
-            actuator=actuator or (servos and coupled(robot, servos)),
+            actuator=actuator or servos,
             progress=progress,
         )
     except (ValueError, ArithmeticError) as error:

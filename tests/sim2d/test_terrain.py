@@ -14,7 +14,7 @@ def test_flat_is_level_everywhere():
 
 
 def test_ramp_goes_up_along_and_down():
-    ground = terrain.ramp(5.34, start_m=0.4, length_m=1.0, plateau_m=0.5)
+    ground = terrain.ramp(5.34, start_m=0.4, length_m=1.0)
     rise, run = math.sin(math.radians(5.34)), math.cos(math.radians(5.34))
     assert ground.height_m(0.4 + run / 2) == pytest.approx(rise / 2)
     assert ground.height_m(0.4 + run + 0.25) == pytest.approx(rise)

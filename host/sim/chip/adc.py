@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import ClassVar
 
 from .pin_table import ANALOG_PIN, TEMPERATURE
@@ -80,22 +81,15 @@ class Adc(Peripheral):
 
     def power_up(self) -> None:
         self.samples: list[Sample] = []
-        self._idle()
+        self._due = Due()
+        for name, group in (("JSQR", "injected"), ("SQR3", "regular"), ("SMPR1", ""), ("SMPR2", "")):
+            self.on_write(name, partial(self._written_while, group, name))
 
-    def _idle(self) -> None:
-        self._due: Due | None = None
+    def clear(self) -> None:
+        self._due.cancel()
         self.busy = ""  # the group that converts
         self.waiting = False  # the regular conversion, for the injected one
         self.trigger_at, self.ready_at = 0, 0
-
-    def reset(self) -> None:
-        self._stop()
-        super().reset()
-
-    def _stop(self) -> None:
-        if self._due:
-            self._due.cancel()
-        self._idle()
 
     # -- triggers, 13.6 --
 
@@ -114,7 +108,7 @@ class Adc(Peripheral):
         elif group == "regular" and self.busy:
             self.waiting = True
         else:
-            if self.busy and self._due:
+            if self.busy:
                 self._due.cancel()
                 self.waiting = True
                 self.chip.note(self.name, "regular conversion reset by the injected one")
@@ -195,7 +189,7 @@ class Adc(Peripheral):
         if new & ~old & ADON:
             self.ready_at = self.chip.now + round(cycles_of_ns(POWER_UP_NS))
         if old & ~new & ADON:
-            self._stop()
+            self.clear()
         if new & SWSTART:
             if old & new & ADON:
                 self._trigger("regular")
@@ -205,15 +199,3 @@ class Adc(Peripheral):
     def _written_while(self, group: str, name: str, old: int, new: int) -> None:
         if self.busy and group in ("", self.busy) and old != new:
             self.complain(name, "changed during a conversion, which resets it (13.3.3)")
-
-    def write_JSQR(self, old: int, new: int) -> None:
-        self._written_while("injected", "JSQR", old, new)
-
-    def write_SQR3(self, old: int, new: int) -> None:
-        self._written_while("regular", "SQR3", old, new)
-
-    def write_SMPR1(self, old: int, new: int) -> None:
-        self._written_while("", "SMPR1", old, new)
-
-    def write_SMPR2(self, old: int, new: int) -> None:
-        self._written_while("", "SMPR2", old, new)

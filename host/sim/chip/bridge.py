@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from .adc import Sample
@@ -23,7 +23,7 @@ class Phase:
     high: bool = False
     low: bool = False
     low_since: int = 0
-    low_windows: list[tuple[int, int]] | None = None
+    low_windows: list[tuple[int, int]] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class HalfBridges:
 
     def __init__(self, chip: Chip, phases: dict[str, tuple[str, str]]) -> None:
         self.chip = chip
-        self.phases = {name: Phase(name, high, low, low_windows=[]) for name, (high, low) in phases.items()}
+        self.phases = {name: Phase(name, high, low) for name, (high, low) in phases.items()}
         for phase in self.phases.values():
             chip.pins.watch(phase.high_pin, lambda level, phase=phase: self._high(phase, level))  # type: ignore[misc]
             chip.pins.watch(phase.low_pin, lambda level, phase=phase: self._low(phase, level))  # type: ignore[misc]
@@ -70,7 +70,7 @@ class HalfBridges:
         on = level == 1
         if on and not phase.low:
             phase.low_since = self.chip.now
-        elif phase.low and not on and phase.low_windows is not None:
+        elif phase.low and not on:
             phase.low_windows.append((phase.low_since, self.chip.now))
         phase.low = on
         self._check(phase)
@@ -82,7 +82,6 @@ class HalfBridges:
     def low_windows(self, name: str) -> list[tuple[int, int]]:
         """Return when a low side was on, the window still open included."""
         phase = self.phases[name]
-        assert phase.low_windows is not None
         return phase.low_windows + ([(phase.low_since, self.chip.now)] if phase.low else [])
 
     def check_samples(self, channels: dict[tuple[str, int], str]) -> list[SampleCheck]:

@@ -57,19 +57,15 @@ class BxCan(Peripheral):
             self.on_write(f"TI{box}R", partial(self._requested, box))
         for fifo in range(2):
             self.on_write(f"RF{fifo}R", partial(self._write_fifo, fifo))
-        self._start_values()
+        self.epoch = 0
 
-    def _start_values(self) -> None:
+    def clear(self) -> None:
         self.pending: list[int] = []  # mailboxes with a frame to send
         self.fifo: list[list[Frame]] = [[], []]
         self.tec, self.rec, self.bus_off = 0, 0, False
         self.mode = "sleep"
-        self.epoch = getattr(self, "epoch", 0) + 1  # changes of mode under way belong to one epoch
+        self.epoch += 1  # changes of mode under way belong to one epoch
         self.checked_pins = False
-
-    def reset(self) -> None:
-        super().reset()
-        self._start_values()
 
     # -- bit timing, 32.7.7 --
 

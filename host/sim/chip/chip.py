@@ -107,9 +107,9 @@ class Chip:
         if block:
             block.write(address - block.base, value, size)
 
-    def view(self, base: int, size: int = 4, cost_cycles: int = 4) -> View:
-        """Return registers from ``base`` on as an array of ``size``-byte words; each access takes ``cost_cycles``."""
-        return View(self, base, size, cost_cycles)
+    def view(self, base: int, size: int = 4) -> View:
+        """Return registers from ``base`` on as an array of ``size``-byte words; each access takes 4 cycles."""
+        return View(self, base, size, 4)
 
     # -- time --
 
@@ -158,10 +158,6 @@ class Chip:
             raise ValueError(f"pin {pin!r}: pins are named P, A to D, 0 to 15, as PA8")
         self._port_of[pin] = self.ports[pin[1]]
         return self.ports[pin[1]]
-
-    def pin_of(self, signal: str) -> str | None:
-        """Return the pin that carries a signal as ``"TIM1_CH1"``; none or several is a complaint."""
-        return self.pins.pin_of(signal)
 
     def trigger_adcs(self) -> None:
         """Let timer 1's TRGO rise; ADCs that wait for it see the edge."""

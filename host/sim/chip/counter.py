@@ -21,11 +21,7 @@ class Counter(Peripheral):
         Register("ARR", 0x2C, ALL, ALL),
     )
 
-    def power_up(self) -> None:
-        self.reset()
-
-    def reset(self) -> None:
-        super().reset()
+    def clear(self) -> None:
         self._began, self._from, self._divider = 0, 0, 1
 
     def read_CNT(self) -> int:

@@ -37,7 +37,7 @@ class Drv8323s(SpiSlave):
         self.fault_pin = fault_pin
         self.registers = dict(RESET)
         self.awake, self.ready_at = False, 0
-        self._sleep_due: Due | None = None
+        self._sleep_due = Due()
         chip.pins.watch(enable_pin, self._enable_changed)
         if chip.pins.level(enable_pin) == 1:
             self._enable_changed(1)
@@ -52,8 +52,7 @@ class Drv8323s(SpiSlave):
             self._sleep_due = self.chip.at(self.chip.now + round(cycles_of_ns(SLEEP_NS)), self._sleep)
 
     def _enabled(self) -> None:
-        if self._sleep_due:
-            self._sleep_due.cancel()
+        self._sleep_due.cancel()
         if self.awake:
             self.complain("ENABLE", "low for less than the 1 ms after which it sleeps")
         else:

@@ -45,13 +45,11 @@ class Flash(Peripheral):
         self.contents = bytearray(b"\xff" * SIZE)
         self.step: Callable[[str, int, int], None] | None = None
         self.longest = False
-        self._due: Due | None = None
+        self._due = Due()
         self._half: Callable[[], None] | None = None
-        self.key_step, self.busy_until = 0, 0
 
-    def reset(self) -> None:
+    def clear(self) -> None:
         self.cut_power()
-        super().reset()
         self.key_step = 0
 
     # -- memory --
@@ -116,8 +114,7 @@ class Flash(Peripheral):
 
     def cut_power(self) -> None:
         """The power goes: what is under way is left half done."""
-        if self._due:
-            self._due.cancel()
+        self._due.cancel()
         if self._half:
             self._half()
         self._half, self.busy_until = None, 0

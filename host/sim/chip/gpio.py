@@ -38,16 +38,14 @@ class Gpio(Peripheral):
         self.letter = self.name[-1]
         for name in SETTINGS:
             self.on_write(name, partial(self._set, name))
-        self._reset_values()
 
-    def _reset_values(self) -> None:
+    def clear(self) -> None:
         self.value["MODER"] = MODER_RESET.get(self.letter, 0)
         self.value["OSPEEDR"] = OSPEEDR_RESET.get(self.letter, 0)
         self.value["PUPDR"] = PUPDR_RESET.get(self.letter, 0)
 
     def reset(self) -> None:
         super().reset()
-        self._reset_values()
         self._changed(range(16))
 
     # -- what a pin does, 8.3 --

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import ClassVar
 
 from .registers import Peripheral, Register
@@ -24,14 +25,12 @@ class Iwdg(Peripheral):
     )
 
     def power_up(self) -> None:
-        self._due: Due | None = None
-        self.running, self.unlocked = False, False
-        self.busy_until = {"PR": 0, "RLR": 0}
+        self._due = Due()
+        for name in ("PR", "RLR"):
+            self.on_write(name, partial(self._setting, name))
 
-    def reset(self) -> None:
-        if self._due:
-            self._due.cancel()
-        super().reset()
+    def clear(self) -> None:
+        self._due.cancel()
         self.running, self.unlocked = False, False
         self.busy_until = {"PR": 0, "RLR": 0}
 
@@ -60,8 +59,7 @@ class Iwdg(Peripheral):
             self.complain("KR", f"0x{new:04X} is none of 0xAAAA, 0x5555, 0xCCCC")
 
     def _feed(self) -> None:
-        if self._due:
-            self._due.cancel()
+        self._due.cancel()
         self._due = self.chip.at(self.chip.now + round(self.timeout_s(self.chip.lsi_hz) * CORE_HZ), self._expire)
         self.chip.note(self.name, "fed")
 
@@ -69,7 +67,7 @@ class Iwdg(Peripheral):
         self.chip.note(self.name, "time out")
         self.chip.reset("iwdg")
 
-    def _setting(self, name: str, old: int) -> None:
+    def _setting(self, name: str, old: int, _new: int) -> None:
         """PR and RLR need the key, and the last change to have arrived in the LSI domain (21.4.4)."""
         if not self.unlocked:
             self.refuse(name, old, "written without the key 0x5555 (21.4.1)")
@@ -77,12 +75,6 @@ class Iwdg(Peripheral):
             self.refuse(name, old, "written while the last change is under way: wait for SR (21.4.4)")
         else:
             self.busy_until[name] = self.chip.now + round(UPDATE_LSI_CYCLES * CORE_HZ / self.chip.lsi_hz)
-
-    def write_PR(self, old: int, _new: int) -> None:
-        self._setting("PR", old)
-
-    def write_RLR(self, old: int, _new: int) -> None:
-        self._setting("RLR", old)
 
     def read_SR(self) -> int:
         busy = {name: self.chip.now < until for name, until in self.busy_until.items()}

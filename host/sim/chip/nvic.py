@@ -21,10 +21,7 @@ class Nvic(Peripheral):
     read_sizes: ClassVar = (1, 2, 4)
     write_sizes: ClassVar = (1, 2, 4)
 
-    def power_up(self) -> None:
-        self.reset()
-
-    def reset(self) -> None:
+    def clear(self) -> None:
         self.enabled: set[int] = set()
         self.pending: set[int] = set()
         self.active: list[int] = []

@@ -32,16 +32,17 @@ class Rcc(Peripheral):
     )
 
     def power_up(self) -> None:
-        self.opens_at: dict[tuple[str, int], int] = {}
         for register in GATES:
             self.on_write(register, partial(self._opened, register))
+
+    def clear(self) -> None:
+        self.opens_at: dict[tuple[str, int], int] = {}
 
     def reset(self) -> None:
         """Section 7.1: a reset sets all registers but the reset flags in CSR."""
         flags = self.value["CSR"]
         super().reset()
         self.value["CSR"] = flags
-        self.opens_at.clear()
 
     def note_reset(self, cause: str) -> None:
         """Set the flags of a reset (7.1.1): every reset also pulls NRST, so the pin flag comes with it."""

@@ -60,17 +60,22 @@ class Peripheral:
             if writer := getattr(self, f"write_{register.name}", None):
                 self._writers[register.offset] = writer
         self.power_up()
+        self.clear()
 
     def power_up(self) -> None:
         """Set up what the block has besides registers."""
+
+    def clear(self) -> None:
+        """Begin anew, at power-on and at a reset: nothing is under way."""
 
     def on_write(self, register: str, act: Callable[[int, int], None]) -> None:
         """Have ``act(old, new)`` called when a register was written, of several that are alike."""
         self._writers[next(one.offset for one in self.registers if one.name == register)] = act
 
     def reset(self) -> None:
-        """Put every register to its reset value. Subclasses stop what they have under way first."""
+        """Put every register to its reset value, and begin anew."""
         self.value.update({register.name: register.reset for register in self.registers})
+        self.clear()
 
     def complain(self, register: str, reason: str) -> None:
         self.chip.complain(self.name, register, reason)

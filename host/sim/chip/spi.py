@@ -31,22 +31,14 @@ class Spi(Peripheral):
         self.slaves: list[SpiSlave] = []
         self.frames: list[tuple[int, int, int, int]] = []
         self._due: list[Due] = []
-        self._idle()
 
-    def _idle(self) -> None:
+    def clear(self) -> None:
+        for due in self._due:
+            due.cancel()
         self.shifting: int | None = None  # the word on the wire
         self.received, self.start = 0, 0
         self._due = []
         self.checked = False
-
-    def reset(self) -> None:
-        self._abort()
-        super().reset()
-
-    def _abort(self) -> None:
-        for due in self._due:
-            due.cancel()
-        self._idle()
 
     # -- settings, 28.5.1 --
 
@@ -70,7 +62,7 @@ class Spi(Peripheral):
             self.complain("CR1", "DFF, CPOL, CPHA or BR changed while SPE is set (28.5.1)")
         if old & ~new & SPE and self.shifting is not None:
             self.complain("CR1", "SPE cleared while a frame is under way: wait for TXE, then for BSY to fall (28.3.8)")
-            self._abort()
+            self.clear()
             self.value["SR"] = self.value["SR"] & RXNE | TXE
         if new & ~old & SPE:
             self.checked = False

@@ -21,7 +21,7 @@ class SpiSlave:
     deselected_ns = 0.0
 
     def __init__(self, chip: Chip, spi: str, select_pin: str) -> None:
-        self.chip, self.bus, self.select_pin = chip, chip.spis[spi], select_pin
+        self.chip, self.bus = chip, chip.spis[spi]
         self.selected_at = self.deselected_at = self.clock_stopped_at = -1_000_000
         self.heard: list[int] = []  # the words since the select
         self.word_out = 0

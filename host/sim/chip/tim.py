@@ -57,9 +57,10 @@ class Tim(Peripheral):
             self.on_write(f"CCR{channel}", partial(self._write_compare, channel))
         for name in ("CCMR1", "CCMR2"):
             self.on_write(name, self._write_modes)
-        self._start_values()
+        self.on_write("CCER", self.out.enables_written)
 
-    def _start_values(self) -> None:
+    def clear(self) -> None:
+        self._cancel()
         self.arr, self.repetitions, self.dead_time = 0xFFFF, 0, 0
         self.ccr = [0] * 4  # active registers; [0] is not used
         self.ref = [0] * 4
@@ -68,8 +69,6 @@ class Tim(Peripheral):
 
     def reset(self) -> None:
         super().reset()
-        self._cancel()
-        self._start_values()
         self.out.reset()
         self._interrupt()
 
@@ -269,9 +268,6 @@ class Tim(Peripheral):
                 self.ccr[channel] = self.value[f"CCR{channel}"]
         self._refresh_all()
         self._plan()
-
-    def write_CCER(self, old: int, new: int) -> None:
-        self.out.enables_written(old, new)
 
     # -- break, 17.3.12, 17.4.18 --
 

@@ -12,13 +12,12 @@ def cycles_of_ns(nanoseconds: float) -> float:
 
 
 class Due:
-    """Something due at ``when``; ``cancel`` makes it never happen."""
+    """Something to come; ``cancel`` makes it never happen. Without ``act`` it is nothing."""
 
-    __slots__ = ("act", "when")
+    __slots__ = ("act",)
 
-    def __init__(self, when: int, act: Callable[[], None]) -> None:
-        self.when = when
-        self.act: Callable[[], None] | None = act
+    def __init__(self, act: Callable[[], None] | None = None) -> None:
+        self.act = act
 
     def cancel(self) -> None:
         self.act = None
@@ -34,9 +33,9 @@ class Timeline:
 
     def at(self, when: int, act: Callable[[], None]) -> Due:
         """Have ``act`` called in cycle ``when`` (in the next step of time if that is past)."""
-        due = Due(max(when, self.now), act)
+        due = Due(act)
         self._count += 1
-        heapq.heappush(self._queue, (due.when, self._count, due))
+        heapq.heappush(self._queue, (max(when, self.now), self._count, due))
         return due
 
     def next_due(self) -> int | None:
@@ -54,7 +53,3 @@ class Timeline:
                 self.now = when
                 due.act()
         self.now = max(self.now, end)
-
-    def clear(self) -> None:
-        """Forget what is due: the power is gone."""
-        self._queue.clear()

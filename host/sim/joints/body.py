@@ -32,9 +32,8 @@ class _Torques:
 class TorqueBody:
     """A robot seated on flat ground. ``step`` is one millisecond with twelve motor torques."""
 
-    def __init__(self, robot: Robot, pose_rad: Sequence[float] | None = None, seed: int = 0) -> None:
-        pose = seated_pose_rad(robot) if pose_rad is None else list(pose_rad)
-        self.robot = robot
+    def __init__(self, robot: Robot, seed: int) -> None:
+        self.robot, pose = robot, seated_pose_rad(robot)
         self._drives = _Torques(planar_robot(robot).thigh_servo.coulomb_Nm)
         self._body = PlaneBody(robot, pose, self._drives, seed)
         self.world, self.joint_rad = self._body.world, self._body.position_rad

@@ -69,10 +69,6 @@ class SimBus:
         self._nodes.append(node)
         return node
 
-    def load(self) -> float:
-        """Return the share of the bus taken since the start."""
-        return self.bits / (self.bitrate * 1e-6 * self.now_us) if self.now_us else 0.0
-
     def advance(self, to_us: float) -> None:
         """Go on to a time, frame by frame; nodes may send from within ``deliver``."""
         while True:

@@ -15,10 +15,30 @@ from ...util.errors import UserError
 from .bus import Node, SimBus
 from .sim_robot import SimRobot, power_off
 
-FAULTS = ("power-cycle", "power-off", "e-stop", "babble", "under-voltage", "hot")
 HOT_C = 90.0
 BABBLE_ID = 0x07F  # below SYNC, so that no other frame gets through
 CATCH_UP_S = 0.1  # farther behind than that, the simulated time stays behind
+
+
+def _babble(sim: SimRobot) -> None:
+    """Have another node fill the bus from now on."""
+    extra = sim.bus.attach(lambda time_us, identifier, data: None)
+
+    def talk(ms: int) -> None:
+        for _ in range(12):
+            extra.send(BABBLE_ID, bytes(8))
+
+    sim.each_ms.append(talk)
+
+
+FAULTS: dict[str, Callable[[SimRobot, int], object]] = {  # of a node, 1 .. 12
+    "power-cycle": lambda sim, node: sim.joints[node - 1].power_cycle(),
+    "power-off": lambda sim, node: power_off(sim, [node]),
+    "e-stop": lambda sim, node: sim.nodes[node - 1].send(w.E_STOP_ID, b""),
+    "babble": lambda sim, node: _babble(sim),
+    "under-voltage": lambda sim, node: sim.joints[node - 1].set_volts(12.0),
+    "hot": lambda sim, node: sim.joints[node - 1].set_winding(HOT_C),
+}
 
 
 class Gateway:
@@ -30,7 +50,6 @@ class Gateway:
         self._ends = [(port, _attach(bus, port)) for bus, port in zip(sim.buses, ports, strict=True)]
         self.behind_s = 0.0
         self.stopping = False  # another thread may end it
-        self._extra = sim.bus.attach(lambda time_us, identifier, data: None)
 
     def inject(self, fault: str) -> None:
         """Have a fault happen: KIND[:NODE]@SECONDS from now. UserError if it is none."""
@@ -44,26 +63,7 @@ class Gateway:
             raise UserError(
                 f"--fault {fault}: give KIND[:NODE]@SECONDS with KIND one of {', '.join(FAULTS)}, NODE 1..12"
             )
-        self.sim.at(max(1, after_ms), self._action(kind, node))
-
-    def _action(self, kind: str, node: int) -> Callable[[], None]:
-        sim, joint = self.sim, self.sim.joints[node - 1]
-        actions: dict[str, Callable[[], None]] = {
-            "power-cycle": joint.power_cycle,
-            "power-off": lambda: power_off(sim, [node]),
-            "e-stop": lambda: self._stop(node),
-            "babble": lambda: sim.each_ms.append(self._babble),
-            "under-voltage": lambda: joint.set_volts(12.0),
-            "hot": lambda: joint.set_winding(HOT_C),
-        }
-        return actions[kind]
-
-    def _stop(self, node: int) -> None:
-        self.sim.nodes[node - 1].send(w.E_STOP_ID, b"")
-
-    def _babble(self, ms: int) -> None:
-        for _ in range(12):
-            self._extra.send(BABBLE_ID, bytes(8))
+        self.sim.at(max(1, after_ms), lambda: FAULTS[kind](self.sim, node))
 
     def run(self, seconds: float | None) -> None:
         """Go on for a time, or until Ctrl-C or ``stopping``."""

@@ -47,7 +47,6 @@ class SimJoint:
         self.power = True
         self.volts = bldc.drive.bus_voltage_V
         self.winding_C = ROOM_C
-        self.resets = 0
         self.torque_Nm = 0.0
         self._reference = Board()
         self.blocks = joint_blocks(bldc, setup)
@@ -93,7 +92,6 @@ class SimJoint:
 
     def power_cycle(self) -> None:
         """Switch the supply off and on: memory is lost, saved parameters are not."""
-        self.resets += 1
         self.power = True
         self.torque_Nm = 0.0
         self._boot()

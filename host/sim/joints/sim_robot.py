@@ -25,13 +25,11 @@ START_MS = 300  # until the joints have measured their current offsets
 class SimRobot:
     """The robot, its bus and its clock. ``in_vm``: the nodes whose firmware runs in a MicroPython VM of its own."""
 
-    def __init__(
-        self, robot: Robot, seed: int = 0, body: TorqueBody | None = None, in_vm: Collection[int] = ()
-    ) -> None:
+    def __init__(self, robot: Robot, seed: int = 0, in_vm: Collection[int] = ()) -> None:
         assert robot.bus.kind == "can"
         self.robot = robot
         self.buses = [SimBus(robot.bus.bitrate, seed + i) for i in range(len(robot.bus.channels))]
-        self.body = TorqueBody(robot, seed=seed) if body is None else body
+        self.body = TorqueBody(robot, seed)
         setups = joint_setups(robot)
         bldc = robot.actuator
         assert bldc.kind == "bldc"
@@ -48,7 +46,7 @@ class SimRobot:
         self.ms = 0
         self.lock = threading.RLock()
         self.held = True  # by hand, seated, until all joints hold it themselves
-        self.events: dict[int, list[Callable[[], None]]] = {}
+        self.events: dict[int, list[Callable[[], object]]] = {}
         self.each_ms: list[Callable[[int], None]] = []
         self.advance_ms(START_MS)
 
@@ -76,7 +74,7 @@ class SimRobot:
         """True while no joint's bridge is on."""
         return not any(joint.bridge for joint in self.joints)
 
-    def at(self, ms: int, do: Callable[[], None]) -> None:
+    def at(self, ms: int, do: Callable[[], object]) -> None:
         """Have something happen at a millisecond from now."""
         self.events.setdefault(self.ms + ms, []).append(do)
 
@@ -87,13 +85,10 @@ class SimRobot:
     def advance_us(self, to_us: float) -> None:
         """Go on to a time; one thread at a time."""
         with self.lock:
-            self._advance_us(to_us)
-
-    def _advance_us(self, to_us: float) -> None:
-        while (self.ms + 1) * MS_US <= to_us:
-            self._millisecond()
-        for bus in self.buses:
-            bus.advance(to_us)
+            while (self.ms + 1) * MS_US <= to_us:
+                self._millisecond()
+            for bus in self.buses:
+                bus.advance(to_us)
 
     def _millisecond(self) -> None:
         now_us = (self.ms + 1) * MS_US
@@ -123,11 +118,11 @@ class SimPort(Port):
 
     name = "simulated"
 
-    def __init__(self, sim: SimRobot, bus: SimBus | None = None, room: int = 64) -> None:
+    def __init__(self, sim: SimRobot, bus: SimBus | None = None) -> None:
         super().__init__()
         self.sim, self.late_s, self._random = sim, 0.0, random.Random(1)
         self._queue: deque[Received] = deque()
-        self.node = (bus or sim.bus).attach(self._deliver, room)
+        self.node = (bus or sim.bus).attach(self._deliver)
 
     def _deliver(self, time_us: int, identifier: int, data: bytes) -> None:
         self._queue.append(Received(time_us * 1e-6, identifier, data))

@@ -11,6 +11,7 @@ from .sim_robot import SimRobot, sim_port
 
 SESSION = 17
 STAND_MOST_S = 6.0
+SPEED_M_S = 0.05
 
 
 class SimWalk:
@@ -41,9 +42,9 @@ class SimWalk:
         self.bus.open()
         self.bus.torque(True)
 
-    def go(self, seconds: float, mode: str = "walk", gait: str = "trot", vx_m_s: float = 0.05) -> None:
+    def go(self, seconds: float, mode: str = "walk", gait: str = "trot") -> None:
         """Drive for a time; planner ticks at its rate, the bus's cycle at its own."""
-        self.driver.set_command(mode=mode, gait=gait, vx_m_s=vx_m_s if mode == "walk" else 0.0)
+        self.driver.set_command(mode=mode, gait=gait, vx_m_s=SPEED_M_S if mode == "walk" else 0.0)
         for _ in range(round(seconds * self.driver.rate_hz)):
             self._tick()
             if mode == "walk":

@@ -26,7 +26,7 @@ from shared.wire.codec import (
 
 from ...robot.actuators import Bldc
 from ...robot.joint_gains import JointBlocks, impedance_gains, joint_blocks
-from ...robot.joint_units import Board, JointSetup
+from ...robot.joint_units import JointSetup
 from ...util.errors import UserError
 from .model import Load, Motor
 from .sensors import Sensors, Wrong
@@ -51,7 +51,6 @@ class Trace:
     torque_Nm: list[float] = field(default_factory=list)  # at the joint
     winding_C: list[float] = field(default_factory=list)
     limit_A: list[float] = field(default_factory=list)
-    bus_V: list[float] = field(default_factory=list)
     state: list[int] = field(default_factory=list)
 
 
@@ -78,7 +77,7 @@ class Bench:
         self.units = self.blocks.units
         self.motor = Motor(real or bldc, self.load, elec_offset_rad=elec_offset_rad)
         self.wrong = Wrong()
-        self.sensors = Sensors(bldc, Board(), seed=seed, wrong=self.wrong)
+        self.sensors = Sensors(bldc, self.wrong, seed)
         self.board = SimBoard()
         self.joint = Joint(self.board, Memory())
         self._configure(commissioned, elec_offset_rad)
@@ -112,6 +111,11 @@ class Bench:
     def state(self) -> JointState:
         """The joint's saved parameters."""
         return self.joint.control.state
+
+    @property
+    def enabled(self) -> bool:
+        """Whether the joint follows its commands."""
+        return int(self.state.drive_state) == w.STATE_OPERATION_ENABLED
 
     @property
     def time_s(self) -> float:
@@ -165,7 +169,6 @@ class Bench:
         t.torque_Nm.append(m.gear_Nm)
         t.winding_C.append(m.winding_C)
         t.limit_A.append(self.state.current_limit * self.units.ampere_per_cu)
-        t.bus_V.append(m.bus_V)
         t.state.append(self.state.drive_state)
 
     def send_setpoint(self) -> None:
@@ -200,9 +203,10 @@ class Bench:
         fields = (command, self._sequence, SESSION, index, value)
         encode_service_request(self._frame, unpack(ServiceRequest(), fields))
         self.board.deliver(w.SERVICE_REQUEST_ID + 1, self._frame, 8)
-        self._drop_sent()
-        self.run(1)
         answer, frame = ServiceResponse(), array("H", [0] * 4)
+        while self.board.sent.take(frame) >= 0:
+            pass  # what was sent before
+        self.run(1)
         while True:
             identifier = self.board.sent.take(frame)
             if identifier < 0:
@@ -210,16 +214,11 @@ class Bench:
             if identifier == w.SERVICE_RESPONSE_ID + 1 and decode_service_response(frame, answer) == 0:
                 return answer.result
 
-    def _drop_sent(self) -> None:
-        frame = array("H", [0] * 4)
-        while self.board.sent.take(frame) >= 0:
-            pass
-
     def arm(self, mode: int, goal: float) -> None:
         """Send set-points of ``mode`` for 20 ms, then arm; UserError with the reason if the joint refuses."""
         self.mode, self.goal = mode, goal
         self.run(20)
         result = self.request(w.COMMAND_ARM, value=w.PROTOCOL_HASH)
         self.run(5)
-        if result != w.RESULT_OK or self.state.drive_state != w.STATE_OPERATION_ENABLED:
+        if result != w.RESULT_OK or not self.enabled:
             raise UserError(f"the simulated joint refused arming: result {result}")

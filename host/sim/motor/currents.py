@@ -8,7 +8,7 @@ from ...robot.actuators import Bldc
 from ...robot.joint_units import JointSetup
 from .bench import STEP_S, Bench
 from .model import Load
-from .result import Result, enabled
+from .result import Result
 
 CURRENT_A = 1.0
 OVERSHOOT = 0.1  # that the current loop is allowed, of a step
@@ -37,9 +37,7 @@ def _current(name: str, bldc: Bldc, load: Load) -> Result:
     bench.run(50)
     way = bench.fast
     settled = sum(way[-100:]) / 100
-    low = next(i for i, x in enumerate(way) if x >= 0.1 * CURRENT_A)
-    high = next(i for i, x in enumerate(way) if x >= 0.9 * CURRENT_A)
-    rise_ms = (_crossing(way, high, 0.9) - _crossing(way, low, 0.1)) * 1000 * STEP_S
+    rise_ms = (_crossing(way, 0.9) - _crossing(way, 0.1)) * 1000 * STEP_S
     overshoot = 100 * (max(way) / CURRENT_A - 1)
     error = 100 * abs(settled / CURRENT_A - 1)
     figures = {
@@ -66,7 +64,7 @@ def closed_loop(bldc: Bldc) -> Result:
             rows.append(_axis_errors(bench, 60))
     worst_d, worst_q = max(abs(d) for d, _ in rows), max(abs(q) for _, q in rows)
     figures = {
-        "ok": bool(max(worst_d, worst_q) <= rated / 100 and enabled(bench)),
+        "ok": bool(max(worst_d, worst_q) <= rated / 100 and bench.enabled),
         "worst_d_error_percent": round(100 * worst_d / rated, 3),
         "worst_q_error_percent": round(100 * worst_q / rated, 3),
         "rated_A": rated,
@@ -85,8 +83,9 @@ def _axis_errors(bench: Bench, milliseconds: int) -> tuple[float, float]:
     return d / milliseconds, q / milliseconds
 
 
-def _crossing(way: list[float], at: int, share: float) -> float:
-    """Return when, in steps, the way to CURRENT_A passes a share of it just before sample ``at``."""
+def _crossing(way: list[float], share: float) -> float:
+    """Return when, in steps, the way to CURRENT_A first passes a share of it."""
+    at = next(i for i, current_A in enumerate(way) if current_A >= share * CURRENT_A)
     if at == 0:
         return 0.0
     return at - (way[at] - share * CURRENT_A) / (way[at] - way[at - 1])

@@ -1,7 +1,7 @@
 """The simulated joint fails on command: the cause, which fault must latch, and how soon."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import radians
 
 from shared.joint import faults as f
@@ -14,6 +14,7 @@ from ...util.errors import UserError
 from .bench import Bench
 from .model import Load
 from .result import Result
+from .sensors import Wrong
 
 SLIP_DEG = 7.0  # of the joint encoder's magnet: between the fault's 6.0 and the 8.18 of half a rotor turn
 
@@ -27,31 +28,15 @@ class FaultCase:
     begin: Callable[[Bench], None]
     moving: bool = False
     run_ms: int = 400
-    load: Callable[[], Load] = Load
 
 
-def _shunt(b: Bench) -> None:
-    b.wrong.shunt_offset_counts = 150.0
+def _sensed(wrong: Wrong) -> Callable[[Bench], None]:
+    """Return what makes a bench's readings wrong."""
 
+    def begin(b: Bench) -> None:
+        b.wrong = b.sensors.wrong = replace(wrong)
 
-def _lost(b: Bench) -> None:
-    b.wrong.rotor_lost = True
-
-
-def _slipped(b: Bench) -> None:
-    b.wrong.joint_turned_rad = radians(SLIP_DEG)
-
-
-def _open(b: Bench) -> None:
-    b.wrong.thermistor = "open"
-
-
-def _short(b: Bench) -> None:
-    b.wrong.thermistor = "short"
-
-
-def _sag(b: Bench) -> None:
-    b.wrong.supply_V = 15.0
+    return begin
 
 
 def _block(b: Bench) -> None:
@@ -63,20 +48,16 @@ def _late(b: Bench) -> None:
     b.late_every = 20
 
 
-def _nothing(b: Bench) -> None:
-    """The fault is there from the start."""
-
-
 FAULTS: dict[str, FaultCase] = {
-    "shunt-offset": FaultCase(f.FAULT_CURRENT_SENSE, 15, _shunt),
-    "lost-encoder": FaultCase(f.FAULT_ENCODER_LOST, 5, _lost, moving=True),
-    "encoder-disagreement": FaultCase(f.FAULT_ENCODER_DISAGREE, 10, _slipped),
-    "open-thermistor": FaultCase(f.FAULT_THERMISTOR_OPEN, 110, _open, run_ms=800),
-    "short-thermistor": FaultCase(f.FAULT_THERMISTOR_SHORT, 110, _short, run_ms=800),
-    "bus-sag": FaultCase(f.FAULT_UNDER_VOLTAGE, 10, _sag),
+    "shunt-offset": FaultCase(f.FAULT_CURRENT_SENSE, 15, _sensed(Wrong(shunt_offset_counts=150.0))),
+    "lost-encoder": FaultCase(f.FAULT_ENCODER_LOST, 5, _sensed(Wrong(rotor_lost=True)), moving=True),
+    "encoder-disagreement": FaultCase(f.FAULT_ENCODER_DISAGREE, 10, _sensed(Wrong(joint_turned_rad=radians(SLIP_DEG)))),
+    "open-thermistor": FaultCase(f.FAULT_THERMISTOR_OPEN, 110, _sensed(Wrong(thermistor="open")), run_ms=800),
+    "short-thermistor": FaultCase(f.FAULT_THERMISTOR_SHORT, 110, _sensed(Wrong(thermistor="short")), run_ms=800),
+    "bus-sag": FaultCase(f.FAULT_UNDER_VOLTAGE, 10, _sensed(Wrong(supply_V=15.0))),
     "stall": FaultCase(f.FAULT_STALL, 1200, _block, run_ms=2200),
     "late-interrupt": FaultCase(f.FAULT_OVERRUN, 110, _late, run_ms=800),
-    "swapped-phases": FaultCase(f.FAULT_COMMISSION_PHASE_ORDER, 8000, _nothing),
+    "swapped-phases": FaultCase(f.FAULT_COMMISSION_PHASE_ORDER, 8000, _sensed(Wrong())),  # it is there from the start
 }
 
 
@@ -85,7 +66,7 @@ def fault(bldc: Bldc, name: str) -> Result:
     case = FAULTS[name]
     if name == "swapped-phases":
         return _swapped(bldc, case)
-    bench = Bench(bldc, case.load())
+    bench = Bench(bldc)
     bench.arm(w.MODE_POSITION, bench.motor.joint_rad)
     bench.run(100)
     if case.moving:

@@ -69,7 +69,6 @@ class Motor:
         self.i_d = self.i_q = 0.0
         self.winding_C = self.housing_C = load.air_C
         self.heat_J = 0.0  # since the last warm()
-        self.drawn_J = self.returned_J = 0.0  # from and to the supply
         self.gear_Nm = 0.0  # at the joint
         self.ripple_A = 0.0  # peak to peak
         self._decay_key = (0.0, 0.0)
@@ -127,10 +126,6 @@ class Motor:
         square = i_d * i_d + i_q * i_q + self.ripple_A**2 / 12
         self.heat_J += 1.5 * r * square * seconds
         power = 1.5 * (v_d * i_d + v_q * i_q)
-        if power > 0:
-            self.drawn_J += power * seconds
-        else:
-            self.returned_J -= power * seconds
         self.bus_V = self.supply_V - self.load.source_ohm * power / bus
 
     def _open(self, phase: int) -> None:

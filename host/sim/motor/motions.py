@@ -6,7 +6,7 @@ from shared.wire import names as w
 
 from ...robot.actuators import Bldc
 from .bench import Bench
-from .result import Result, enabled
+from .result import Result
 
 STEP_RAD = 0.5
 STEP_MS = 1500
@@ -44,7 +44,7 @@ def _step(name: str, bench: Bench) -> Result:
     error = max(abs(x) for x in way[-200:])
     limit = bench.bldc.drive.current_limit_A
     figures = {
-        "ok": bool(error <= SETTLED_DEG and overshoot < 5 and peak <= limit and enabled(bench)),
+        "ok": bool(error <= SETTLED_DEG and overshoot < 5 and peak <= limit and bench.enabled),
         "settling_error_deg": round(error, 4),
         "overshoot_percent": round(overshoot, 3),
         "max_phase_current_A": round(peak, 4),
@@ -75,7 +75,7 @@ def sine(bldc: Bldc) -> Result:
     rms = sqrt(sum(x * x for x in errors) / len(errors))
     current = sqrt(sum(x * x for x in bench.trace.current_A[began:]) / SINE_MS)
     figures = {
-        "ok": bool(rms <= 1.0 and current <= HUM * _needed_A(bench) and enabled(bench)),
+        "ok": bool(rms <= 1.0 and current <= HUM * _needed_A(bench) and bench.enabled),
         "tracking_rms_deg": round(rms, 4),
         "tracking_max_deg": round(max(abs(x) for x in errors), 4),
         "max_phase_current_A": round(max(bench.trace.peak_A[began:]), 4),

@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 from typing import Any
 
-from shared.wire import names as w
-
 from .bench import Bench
 
 
@@ -20,8 +18,3 @@ class Result:
     def ok(self) -> bool:
         """Whether the scenario's bar was reached."""
         return bool(self.figures["ok"])
-
-
-def enabled(bench: Bench) -> bool:
-    """Return whether the joint still follows its commands."""
-    return int(bench.state.drive_state) == w.STATE_OPERATION_ENABLED

@@ -1,6 +1,7 @@
 """The scenarios of `caramelo motor sim`, by name: a motion, a loop, a fault or the commissioning of a joint."""
 
 from collections.abc import Callable
+from functools import partial
 
 from ...robot.actuators import Bldc
 from ...util.errors import UserError
@@ -19,23 +20,19 @@ SCENARIOS: dict[str, Callable[[Bldc], Result]] = {
     "current-held": current_held,
     "closed-loop": closed_loop,
     "commission": commission,
+    **{f"fault-{name}": partial(fault, name=name) for name in FAULTS},
 }
-
-
-def names() -> list[str]:
-    """Return all scenarios in order."""
-    return [*SCENARIOS, *(f"fault-{name}" for name in FAULTS)]
 
 
 def chosen(name: str | None) -> list[str]:
     """Return the scenario of that name alone, all for None; UserError with the list for an unknown one."""
     if name is None:
-        return names()
-    if name not in names():
-        raise UserError(f"--scenario {name}: allowed {', '.join(names())}")
+        return list(SCENARIOS)
+    if name not in SCENARIOS:
+        raise UserError(f"--scenario {name}: allowed {', '.join(SCENARIOS)}")
     return [name]
 
 
 def run_scenario(bldc: Bldc, name: str) -> Result:
-    """Run one of ``names()``."""
-    return SCENARIOS[name](bldc) if name in SCENARIOS else fault(bldc, name.removeprefix("fault-"))
+    """Run one of SCENARIOS."""
+    return SCENARIOS[name](bldc)

@@ -5,7 +5,7 @@ read before, as AS5047P's frames do (firmware/encoders.py); its jitter and glitc
 """
 
 import random
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from math import sin, tau
 
 from firmware.board_sim import SimBoard
@@ -14,6 +14,9 @@ from ...robot.actuators import Bldc
 from ...robot.joint_units import Board
 from ...robot.thermistor import part_of
 from .model import Motor
+
+NOISE_COUNTS = 1.5  # rms, of an amplifier with its ADC (assumed)
+CONTROLLER_C = 40.0
 
 
 @dataclass
@@ -33,24 +36,16 @@ class Wrong:
     joint_stuck: bool = False  # the joint encoder's magnet has come off
 
 
-@dataclass
 class Sensors:
     """Writes the board's readings."""
 
-    bldc: Bldc
-    board: Board
-    seed: int = 0
-    noise_counts: float = 1.5  # rms, of an amplifier with its ADC (assumed)
-    offsets_counts: tuple[float, float, float] = (9.0, -14.0, 5.0)
-    wrong: Wrong = field(default_factory=Wrong)
-    mcu_C: float = 40.0
-
-    def __post_init__(self) -> None:
-        self._random = random.Random(self.seed)
-        drive = self.bldc.drive
+    def __init__(self, bldc: Bldc, wrong: Wrong, seed: int = 0) -> None:
+        self.bldc, self.wrong, self.board = bldc, wrong, Board()
+        self.offsets_counts = (9.0, -14.0, 5.0)
+        self._random = random.Random(seed)
         volt = self.board.adc_volt / 4096
-        self._per_A = drive.shunt_ohm * drive.amplifier_gain / volt
-        self._noise = [self._random.gauss(0, self.noise_counts) for _ in range(4096)]
+        self._per_A = bldc.drive.shunt_ohm * bldc.drive.amplifier_gain / volt
+        self._noise = [self._random.gauss(0, NOISE_COUNTS) for _ in range(4096)]
         self._at = 0
         self._answer = 0  # of the rotor encoder to the next read
         self.glitches = 0  # readings that were none
@@ -84,7 +79,7 @@ class Sensors:
         out.joint = int((joint_rad + self.wrong.joint_turned_rad) / tau * 16384 // 1) & 16383
         out.thermistor = self._thermistor(motor.winding_C)
         cal1, cal2 = self.board.mcu_cal1, self.board.mcu_cal2
-        out.mcu = round(cal1 + (self.mcu_C - 30) * (cal2 - cal1) / 80)
+        out.mcu = round(cal1 + (CONTROLLER_C - 30) * (cal2 - cal1) / 80)
 
     def _thermistor(self, winding_C: float) -> int:
         if self.wrong.thermistor == "open":

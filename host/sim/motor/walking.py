@@ -11,7 +11,7 @@ from typing import Any
 
 from shared.joint.cascade import cascade_reset, cascade_step
 from shared.wire.names import MODE_IMPEDANCE, MODE_POSITION
-from sim2d.actuator import CoupledDrives, Drives, Given, Told
+from sim2d.actuator import Given, Told
 from sim2d.model import GRAVITY_M_S2, PLANAR_JOINTS
 from sim2d.recording import Recording
 
@@ -21,6 +21,7 @@ from ...robot.joint_heat import COPPER_PER_K
 from ...robot.joint_units import JointSetup
 from ...robot.mass import leg_inertia_kg_m2
 from ...robot.model import Robot
+from ..energy import drives_power_W
 
 CYCLE_MS = 20  # between goals of a planner at 50 Hz; set-points go straight from one to the next
 SETPOINT_MS = 5  # 200 Hz on the bus
@@ -139,14 +140,13 @@ class JointMotors:
             torque_Nm[i] = motor.torque(goal_rad[i], position_rad[i], speed_rad_s[i], dt_s)
 
 
-def joint_motors(robot: Robot) -> tuple[JointMotors, Drives]:
-    """Return the drives of a robot with brushless joints, and those to simulate with (coupled calves)."""
+def joint_motors(robot: Robot) -> JointMotors:
+    """Return the drives of a robot with brushless joints."""
     if not isinstance(robot.actuator, Bldc) or robot.calf_drive.ratio != 1.0:
         raise ValueError(f"{robot.name}: joint motors are for brushless joints with calf_drive.ratio 1")
     _, thigh_kg_m2, calf_kg_m2 = leg_inertia_kg_m2(robot)
     spring = robot.bus.kind == "can" and robot.bus.loops == "impedance"
-    motors = JointMotors(robot.actuator, thigh_kg_m2, calf_kg_m2, spring)
-    return motors, CoupledDrives(motors) if robot.calf_drive.coupled else motors
+    return JointMotors(robot.actuator, thigh_kg_m2, calf_kg_m2, spring)
 
 
 def transport(robot: Robot, recording: Recording, payload_kg: float, motors: JointMotors | None) -> dict[str, Any]:
@@ -159,8 +159,6 @@ def transport(robot: Robot, recording: Recording, payload_kg: float, motors: Joi
     """
     way_m = float(recording.torso_x_m[-1] - recording.torso_x_m[0])
     if motors is None:
-        from ..energy import drives_power_W
-
         power_W = drives_power_W(robot, recording.torque_Nm, recording.joint_speed_rad_s)
         drawn = power_W * float(recording.time_s[-1] - recording.time_s[0])
         returned = 0.0

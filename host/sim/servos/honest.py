@@ -11,6 +11,7 @@ from random import Random
 
 from ...bus.base import JOINTS
 from ...bus.dynamixel.calibration.data import Calibration, JointCalibration, counts_per_rad, limits_rad, servo_of
+from ...bus.dynamixel.calibration.procedure import reference_rad
 from ...bus.dynamixel.link import Link, protocol_of
 from ...identify.carried import in_the_air, joint_per_shaft, on_the_ground_Nm
 from ...identify.rig import Rig
@@ -191,7 +192,7 @@ class StandPort(LoopbackPort):
 
 
 class HonestStand:
-    """An imaginary robot's servos on an emulated bus, in simulated time. ``seed`` None: as the robot's file says."""
+    """An imaginary robot's servos on an emulated bus, in simulated time."""
 
     def __init__(self, robot: Robot, calibration: Calibration, made: Made, pose_rad: Sequence[float]) -> None:
         self.robot, self.now_s = robot, 0.0
@@ -220,8 +221,6 @@ class HonestStand:
 
 def reference_shaft_rad(robot: Robot, joint: int) -> float:
     """Return the angle of the shaft about which a joint is mirrored if its sign is wrong."""
-    from ...bus.dynamixel.calibration.procedure import reference_rad
-
     return reference_rad(robot, joint) / joint_per_shaft(robot, joint)
 
 

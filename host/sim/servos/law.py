@@ -79,7 +79,7 @@ def figures_of(servo: Servo, delay_s: float = 0.0) -> Figures:
 def honest_figures(actuator: Servo | Bldc | PdJoint) -> Figures | None:
     """Return a drive's data beyond its linear law for the walking simulators; None if the robot file has none.
 
-For a brushless joint this is its gear: its play, and its loss as friction that grows with the motor's torque.
+    For a brushless joint this is its gear: its play, and its loss as friction that grows with the motor's torque.
     """
     if isinstance(actuator, PdJoint):
         return None

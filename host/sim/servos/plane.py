@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-from sim2d.actuator import CoupledDrives, Drives, Given, Told
+from sim2d.actuator import Given, Told
 from sim2d.model import PLANAR_JOINTS, PlanarRobot
 
 from ...robot.actuators import Servo
@@ -56,8 +56,3 @@ def honest_servos(robot: Robot, plane: PlanarRobot, voltage_V: float | None) -> 
     bare = replace(plane, **{key: replace(getattr(plane, key), armature_kgm2=0.0, coulomb_Nm=0.0)
                              for key in ("thigh_servo", "calf_servo")})  # fmt: skip
     return bare, HonestServos(plane, figures, robot.calf_drive.ratio, Battery(volts, servo.supply_ohm))
-
-
-def coupled(plane: PlanarRobot, drives: HonestServos) -> Drives:
-    """Return the drives as the plane's joints feel them: coupled if its calves are."""
-    return CoupledDrives(drives) if plane.calf_on_torso else drives

@@ -5,6 +5,8 @@ stays on; so it holds where it is, here too. Left out: profiles, indirect addres
 modes than position control.
 """
 
+from math import tau
+
 from ...bus.dynamixel import table as t
 from ...bus.dynamixel.calibration.data import JointCalibration
 from ...bus.dynamixel.table import Register
@@ -127,7 +129,7 @@ class EmulatedServo:
         """Take position, speed and load from the plant into the registers."""
         plant, joint = self.plant, self.joint
         self.put(t.PRESENT_POSITION, self.mount.counts(plant.position_rad[joint], self.per_rad))
-        motor_rad_s = plant.speed_rad_s[joint] * self.per_rad / (t.COUNTS_PER_TURN / 6.283185307179586)
+        motor_rad_s = plant.speed_rad_s[joint] * self.per_rad / (t.COUNTS_PER_TURN / tau)
         self.put(t.PRESENT_VELOCITY, self.mount.sign * round(motor_rad_s / t.VELOCITY_RAD_S))
         if plant.supply_V is not None:
             self.put(t.PRESENT_VOLTAGE, round(plant.supply_V / t.VOLTS))

@@ -8,7 +8,6 @@ import random
 from ...bus.base import JOINT_LABELS, JOINTS
 from ...bus.dynamixel.calibration.bench import Bench
 from ...bus.dynamixel.calibration.data import Calibration, counts_per_rad, joint_from, limits_rad, servo_of
-from ...bus.dynamixel.calibration.procedure import reference_rad
 from ...bus.dynamixel.link import Link, protocol_of
 from ...robot.model import Robot
 from ...robot.poses import rest_pose_rad
@@ -70,6 +69,3 @@ def truthful_answers(robot: Robot, bench: SimulatedBench) -> dict[str, str]:
         answers[f"servo {mount.id} direction"] = "+" if mount.sign > 0 else "-"
         answers[f"servo {mount.id} limits"] = "file"
     return answers | {f"check {leg}": "yes" for leg in ("FR", "FL", "RR", "RL")}
-
-
-__all__ = ["SimulatedBench", "hidden_mounting", "reference_rad", "truthful_answers"]

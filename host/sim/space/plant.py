@@ -8,7 +8,6 @@ import numpy as np
 from ...bus.base import JOINTS
 from ...robot.model import Robot
 from ...robot.poses import seated_pose_rad
-from ...util.errors import UserError
 from ..export.ground import Ground
 from ..export.mjcf import ModelOptions
 from ..imu import Motion
@@ -26,18 +25,14 @@ class SwitchedWorld(World):
         self._gain, self._bias = self.model.actuator_gainprm.copy(), self.model.actuator_biasprm.copy()
         self.stall_Nm = self.model.actuator_forcerange[:, 1].copy()
 
-    def _rest(self) -> None:
-        """Put the robot seated on the floor below x = 0."""
+    def rest(self) -> None:
+        """Put the robot seated on the floor below x = 0; the time goes on."""
         mujoco.mj_resetData(self.model, self.data)
-        super()._rest()
+        super().rest()
         pose = np.array(seated_pose_rad(self.robot))
         self.data.qpos[self.joints.q] = pose
         self.data.qpos[self.joints.q[0] - 5] -= self.robot.stance.rest_height_m - self.robot.stance.sit_height_m
         mujoco.mj_forward(self.model, self.data)
-
-    def put_back(self) -> None:
-        """Lift the robot and put it down seated; the time goes on."""
-        self._rest()
 
     def drive(self, goal_rad: Sequence[float], on: Sequence[bool], limit: Sequence[float]) -> None:
         """Command the drives: their goals, which of them give torque, and up to what share of their stall torque."""
@@ -61,11 +56,11 @@ class SwitchedWorld(World):
 
 
 class SpacePlant(Plant):
-    """A robot that waits seated on some ground. A drive that is off turns freely against its friction and damping."""
+    """A robot that waits seated. A drive that is off turns freely against its friction and damping."""
 
-    def __init__(self, robot: Robot, ground: Ground | None = None) -> None:
+    def __init__(self, robot: Robot) -> None:
         super().__init__(robot, seated_pose_rad(robot))
-        self.set_ground(Ground("flat") if ground is None else ground)
+        self.set_ground(Ground("flat"))
 
     def set_ground(self, ground: Ground) -> None:
         """Put the robot down, seated and with its drives off, on another ground."""
@@ -78,18 +73,14 @@ class SpacePlant(Plant):
         x_m, y_m, z_m = self.world.position_m().tolist()
         return x_m, y_m, z_m, self.world.attitude_rad()[2]
 
-    def push(self, joint: int, angle_rad: float) -> None:
-        """See Plant."""
-        raise UserError(f"joint {joint}: can't be turned by hand while the robot stands; lift it, or use a bench")
-
     def pose(self) -> tuple[float, float, float]:
         """See Plant."""
-        x_m, y_m, _ = self.world.position_m().tolist()
-        return x_m, y_m, self.world.attitude_rad()[2]
+        x_m, y_m, _, yaw_rad = self.place()
+        return x_m, y_m, yaw_rad
 
     def put_back(self) -> None:
         """See Plant."""
-        self.world.put_back()
+        self.world.rest()
         self._look()
 
     def inertial(self) -> Motion:

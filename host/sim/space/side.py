@@ -43,7 +43,6 @@ def side_view(spec: WalkSpec, rec: SpaceRecording, real_time_factor: float) -> R
         stall_Nm=rec.stall_Nm,
         foot_radius_m=spec.robot.geometry.foot_radius_m,
         terrain=make_terrain(FLAT if spec.ground.name in STONES else spec.ground),  # of stones the floor under them
-        settings={"robot": spec.robot.name, "terrain": spec.ground.name, "seed": spec.seed},
         outcome=rec.outcome,
         real_time_factor=real_time_factor,
         notes=rec.notes,

@@ -24,7 +24,6 @@ from ..export.mjcf import ModelOptions, drives
 from ..grounds import make_ground
 from ..imu import SimulatedImu
 from ..walk import WAYS, WalkSpec
-from .hand import Hand, lifted_m
 from .world import Array, World
 
 # (dt_s, impratio): twice as fast as in the exported model, with the same figures of a gait.
@@ -48,7 +47,6 @@ class SpaceRecording:
     foot_load_N: Array
     penetration_m: Array
     stall_Nm: Array
-    flags: int
     outcome: Outcome
     notes: tuple[Note, ...] = ()
     way: str = "ahead"
@@ -71,7 +69,7 @@ class SpaceWalker:
         options = ModelOptions(make_ground(spec.ground), spec.payload_kg, spec.friction, spec.voltage_V, *FAST)
         self.world = World(spec.body, options, self.driver.rate_hz, bus_delay_s=spec.bus_delay_s)
         self.attitude = Attitude(spec.robot, SimulatedImu(spec.robot, self.world.motion, spec.seed))
-        self.goals, self.flags = [0.0] * 12, 0
+        self.goals = [0.0] * 12
         self.watch = GaitWatch(self.driver)
         self.driver.set_command(mode="stand", gait=spec.gait, balance=spec.balance)
 
@@ -80,7 +78,6 @@ class SpaceWalker:
         roll_rad, pitch_rad = self.attitude.update() or (None, None)
         self.driver.sense(self.world.joints_rad().tolist(), roll_rad, pitch_rad, self.attitude.rates_rad_s)
         self.goals = self.driver.step()
-        self.flags |= self.driver.flags
         self.watch.look()
         self.world.send(self.goals)
         self.world.advance()
@@ -93,7 +90,6 @@ class SpaceWalker:
         for _ in range(round(_STANDING_UP_S * rate_hz)):
             self.tick()
             if self.attitude.state == "ok" and self.driver.state == "standing":
-                self.flags = 0
                 self.watch.restart()
                 return
         raise UserError(f"3-D walk: {self.driver.state} after {_STANDING_UP_S:g} s, attitude {self.attitude.state}: "
@@ -135,44 +131,24 @@ class _Log:
         attitude[:, 2] = np.unwrap(attitude[:, 2])
         stall = [d.stall_torque_Nm for d in drives(planar_robot(self._spec.robot), self._spec.voltage_V)]
         return SpaceRecording(time, position, attitude, joint, goal, torque, load, penetration, np.array(stall * 4),
-                              self._walker.flags, outcome, tuple(self._walker.watch.notes), self._spec.way)
+                              outcome, tuple(self._walker.watch.notes), self._spec.way)
 
 
 def walk_in_space(spec: WalkSpec, progress: Callable[[float], None] | None = None) -> SpaceRecording:
     """Simulate the walk; the same spec gives the same recording on the same machine."""
     walker = SpaceWalker(spec)
     walker.stand_up()
-    log, disturb = _Log(walker, spec), _disturbance(spec, walker.world)
+    log, push = _Log(walker, spec), spec.push
     ahead, left, turn = (spec.speed_m_s * share for share in WAYS[spec.way])
     walker.driver.set_command(mode="walk", vx_m_s=ahead, vy_m_s=left, wz_rad_s=turn)
     outcome = log.add(progress)
     while outcome is None:
-        disturb(log.time_s)
+        if push is not None:
+            pushed = 0 <= log.time_s - push.at_s < push.seconds - 1e-9
+            walker.world.push(push.force_N if pushed else (0.0, 0.0))
         walker.tick()
         outcome = log.add(progress)
     return log.close(outcome)
-
-
-def _disturbance(spec: WalkSpec, world: World) -> Callable[[float], None]:
-    """Return a function to call before each tick with its time: it pushes or lifts the trunk as specified."""
-    push, lift = spec.push, spec.lift
-    hands: list[Hand] = []
-
-    def act(time_s: float) -> None:
-        if push is not None:
-            pushed = 0 <= time_s - push.at_s < push.seconds - 1e-9
-            world.push(push.force_N if pushed else (0.0, 0.0))
-        if lift is None or time_s < lift.at_s:
-            return
-        if not hands:
-            hands.append(Hand(world))
-        since_s = time_s - lift.at_s
-        if since_s < lift.seconds:
-            hands[0].hold(lifted_m(since_s, lift.height_m, lift.seconds))
-        else:
-            hands[0].let_go()
-
-    return act
 
 
 def figures(recording: SpaceRecording, skip_s: float = 4.0) -> dict[str, Any]:

@@ -60,7 +60,7 @@ class World:
         self._step = 0
         self._resolution_rad, self._goal_step_rad = _resolutions(robot)
         self._limits_rad = np.array([robot.joint_limits_rad(leg)[joint] for leg in range(4) for joint in range(3)])
-        self._rest()
+        self.rest()
 
     def _kinds(self) -> npt.NDArray[np.int64]:
         """Classify the shapes: ground, trunk, thighs and shanks, feet (by leg)."""
@@ -84,7 +84,7 @@ class World:
             self.model.geom_solref[geom], self.model.geom_solimp[geom] = compliant(
                 ground_N_m, _SOFT_DAMPING, inverse_kg, self.options.dt_s)  # fmt: skip
 
-    def _rest(self) -> None:
+    def rest(self) -> None:
         """Put the robot into its rest pose on the floor below x = 0."""
         pose = rest_pose_rad(self.robot)
         self.data.qpos[self.joints.q] = pose

@@ -14,8 +14,8 @@ from host.library.robot import Robot
 from host.robot.file import load_robot
 from host.sim.bus import SimulatedBus
 from host.sim.imu import SimulatedImu
-from host.sim.space.hand import Hand
 from host.sim.space.plant import SpacePlant
+from tests.host.sim.space.hand import Hand
 
 from .rig import AHEAD, REST, STILL, Rig
 

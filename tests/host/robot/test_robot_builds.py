@@ -80,7 +80,7 @@ def build_in_the_plane(robot):
     from sim2d.world import World
 
     plane = planar_robot(robot)
-    actuator = joint_motors(robot)[1] if robot.actuator.kind == "bldc" else None
+    actuator = joint_motors(robot) if robot.actuator.kind == "bldc" else None
     for own in (None, actuator):
         world = World(plane, flat(), actuator=own)
         world.place(plane.stand_pose_rad)

@@ -10,7 +10,7 @@ from host.robot.file import load_robot
 from host.robot.plane import planar_robot
 from host.robot.poses import rest_pose_rad, seated_pose_rad
 from host.sim.plant import PlanePlant
-from host.sim.servos.plane import coupled, honest_servos
+from host.sim.servos.plane import honest_servos
 from host.sim.walk import WalkSpec, run_walk
 from sim2d import metrics, terrain
 from sim2d.body import planar
@@ -40,7 +40,7 @@ class Pushed:
 def hung(robot, joint=THIGH, on=False):
     """Return world, drives and push of a robot on a stand without weight; its drives are off."""
     plane, servos = honest_servos(robot, planar_robot(robot), None)
-    pushed = Pushed(coupled(plane, servos), joint)
+    pushed = Pushed(servos, joint)
     world = World(plane, terrain.flat(), actuator=pushed)
     world.space.gravity = (0.0, 0.0)
     world.place(plane.stand_pose_rad, lift_m=0.3)
@@ -109,7 +109,7 @@ def test_limp_on_its_end_stops_it_comes_to_rest_but_not_where_they_only_spring(b
     plane, servos = honest_servos(ROBOT, planar_robot(ROBOT), None)
     if braking_Nms_rad is not None:
         plane = replace(plane, end_stop_Nms_rad=braking_Nms_rad)
-    world = World(plane, terrain.flat(), actuator=coupled(plane, servos))
+    world = World(plane, terrain.flat(), actuator=servos)
     servos.most[:] = [None] * 8
     world.place((0.0, 0.0, -2.03, 0.0, 0.0, -1.29, 0.0, -0.02, -1.29, 0.0, -0.02, -1.29))
     world.advance([0.0] * 8, 4000)

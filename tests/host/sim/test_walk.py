@@ -87,9 +87,9 @@ def test_a_gait_that_is_not_advised_is_told():
 @pytest.fixture(scope="module")
 def coupled():
     """A walk of the robot whose calves' motors sit on the body, with its own joints' loops."""
-    motors, actuator = joint_motors(PARALLEL)
+    motors = joint_motors(PARALLEL)
     spec = WalkSpec(PARALLEL, "paper-trot", 0.1, distance_m=0.2)
-    return spec, run_walk(spec, actuator=actuator), motors
+    return spec, run_walk(spec, actuator=motors), motors
 
 
 def test_a_torque_is_that_of_a_drive_and_within_its_limit(coupled):

@@ -43,6 +43,12 @@ def converter(base=ADC1, prescaler=1):
     return chip
 
 
+def convert(chip, channel, base=ADC1):
+    """Start a regular conversion."""
+    chip.write(base + SQR3, channel)
+    chip.write(base + ACR2, ADON | SWSTART)
+
+
 def constant(value):
     return lambda cycle: value
 
@@ -63,9 +69,8 @@ def test_a_conversion_takes_sampling_plus_twelve(code, sampling):
     """13.7: the conversion; DS8626 t_latr: up to 2 cycles before it."""
     chip = converter()
     chip.analog["PC1"] = constant(1234)
-    chip.write(ADC1 + SQR3, 11)
     chip.write(ADC1 + SMPR1, code << 3)  # channel 11 is the second of SMPR1
-    chip.write(ADC1 + ACR2, ADON | SWSTART)
+    convert(chip, 11)
     assert done_after(chip, flag=2) == (2 + sampling + 12) * TICK
     assert chip.read(ADC1 + DR) == 1234
     assert not chip.read(ADC1 + SR) & 2  # reading DR clears EOC
@@ -75,8 +80,7 @@ def test_a_conversion_takes_sampling_plus_twelve(code, sampling):
 def test_channels_0_to_9_have_their_sampling_time_in_smpr2():
     chip = converter()
     chip.write(ADC1 + SMPR2, 7 << 3)
-    chip.write(ADC1 + SQR3, 1)
-    chip.write(ADC1 + ACR2, ADON | SWSTART)
+    convert(chip, 1)
     assert done_after(chip, flag=2) == (2 + 480 + 12) * TICK
 
 
@@ -129,15 +133,13 @@ def test_converting_right_after_switching_on_is_too_soon():
 
 def test_too_fast_a_clock_is_told():
     chip = converter(prescaler=0)  # 84 / 2 = 42 MHz
-    chip.write(ADC1 + SQR3, 10)
-    chip.write(ADC1 + ACR2, ADON | SWSTART)
+    convert(chip, 10)
     assert "42000000 Hz is above 36 MHz" in reasons(chip)[0]
 
 
 def test_a_pin_that_is_not_analog_is_told():
     chip = converter()
-    chip.write(ADC1 + SQR3, 5)
-    chip.write(ADC1 + ACR2, ADON | SWSTART)
+    convert(chip, 5)
     assert "PA5 is not in analog mode" in reasons(chip)[0]
 
 
@@ -146,21 +148,18 @@ def test_the_temperature_sensor_wants_ten_microseconds(code, told):
     chip = converter()
     chip.write(ADC_COMMON + 4, 1 << 16 | 1 << 23)
     chip.advance(2000)
-    chip.write(ADC1 + SQR3, 16)
     chip.write(ADC1 + SMPR1, code << 18)
-    chip.write(ADC1 + ACR2, ADON | SWSTART)
+    convert(chip, 16)
     assert bool(chip.complaints) == told
 
 
 def test_the_temperature_sensor_wants_tsvrefe_and_adc1():
     chip = converter()
-    chip.write(ADC1 + SQR3, 16)
     chip.write(ADC1 + SMPR1, 7 << 18)
-    chip.write(ADC1 + ACR2, ADON | SWSTART)
+    convert(chip, 16)
     assert "TSVREFE" in reasons(chip)[0]
     chip = converter(ADC2)
-    chip.write(ADC2 + SQR3, 16)
-    chip.write(ADC2 + ACR2, ADON | SWSTART)
+    convert(chip, 16, ADC2)
     assert "does not exist" in reasons(chip)[0]
 
 

@@ -77,12 +77,12 @@ def test_the_debug_pins_wake_in_use():
 def test_a_signal_reaches_the_pin_whose_alternate_function_is_chosen():
     chip = clocked()
     set_pin(chip, "PA8", 2, 1)
-    assert chip.pin_of("TIM1_CH1") == "PA8"
+    assert chip.pins.pin_of("TIM1_CH1") == "PA8"
     assert chip.complaints == []
     for pin in ("PA6", "PB12"):
         set_pin(chip, pin, 2, 1)
-    chip.pin_of("TIM1_BKIN")
-    chip.pin_of("TIM1_CH2")
+    chip.pins.pin_of("TIM1_BKIN")
+    chip.pins.pin_of("TIM1_CH2")
     assert "several pins: PA6, PB12" in reasons(chip)[0]
     assert "no pin carries it" in reasons(chip)[1]
 

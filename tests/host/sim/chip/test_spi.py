@@ -103,11 +103,6 @@ def test_the_answer_to_a_read_comes_with_the_next_word():
     assert chip.complaints == []
 
 
-def test_the_command_for_the_angle_is_all_ones():
-    """Address 0x3FFF with the read bit has 15 ones, so parity adds one."""
-    assert read_command(ANGLECOM) == 0xFFFF
-
-
 def test_the_angle_is_that_of_the_end_of_the_command():
     chip = bus()
     As5047p(chip, "SPI1", "PC4", lambda cycle: cycle // 100)

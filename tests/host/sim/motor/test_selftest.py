@@ -23,6 +23,11 @@ def measured(board=None, bridge=False):
     return measure(driver, bridge)
 
 
+def fewer(monkeypatch, steps):
+    for module in (joint_selftest, selftest):
+        monkeypatch.setattr(module, "STEPS", steps)
+
+
 def outside(figures):
     return [row.name for row in judge(figures) if not row.ok]
 
@@ -30,8 +35,7 @@ def outside(figures):
 @pytest.fixture
 def fewer_steps(monkeypatch):
     """A board that is wrong shows it in a tenth of the steps."""
-    monkeypatch.setattr(joint_selftest, "STEPS", FEWER)
-    monkeypatch.setattr(selftest, "STEPS", FEWER)
+    fewer(monkeypatch, FEWER)
 
 
 def test_a_sound_board_passes_and_its_bridge_is_off_in_the_end():
@@ -124,8 +128,7 @@ WRONG_WHILE_ON = {
 
 @pytest.mark.parametrize("name", WRONG_WHILE_ON)
 def test_what_is_wrong_with_a_bridge_is_named(monkeypatch, name):
-    monkeypatch.setattr(joint_selftest, "STEPS", FEWER * 2)
-    monkeypatch.setattr(selftest, "STEPS", FEWER * 2)
+    fewer(monkeypatch, FEWER * 2)
     board = JointBoard()
     WRONG_WHILE_ON[name](board)
     assert name in outside(measured(board, bridge=True))

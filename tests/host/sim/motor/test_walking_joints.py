@@ -78,9 +78,9 @@ def test_the_reduced_joint_moves_as_the_full_one_does(load_Nm, mode):
 
 
 def test_a_walk_stays_within_torque_and_temperature_and_costs_less_with_regeneration():
-    motors, actuator = joint_motors(ROBOT)
+    motors = joint_motors(ROBOT)
     spec = WalkSpec(robot=ROBOT, gait="trot", distance_m=0.3)
-    recording = run_walk(spec, actuator=actuator)
+    recording = run_walk(spec, actuator=motors)
     assert recording.outcome.ok, recording.outcome.sentence
     figures = transport(ROBOT, recording, 0.0, motors)
     assert 0 < figures["largest_torque_Nm"] <= BLDC.torque_limit_Nm

@@ -6,9 +6,10 @@ pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
 pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 
 from host.robot.file import load_robot, robot_names
-from host.sim.space.hand import Hand, lifted_m
-from host.sim.space.walk import SpaceWalker, walk_in_space
-from host.sim.walk import Lift, WalkSpec
+from host.sim.space.walk import SpaceWalker
+from host.sim.walk import WalkSpec
+
+from .hand import Hand, lifted_m
 
 NOTICED_S, STILL_S = 0.5, 1.5
 LIFT_M, HELD_S = 0.12, 3.0
@@ -92,12 +93,3 @@ def test_lifted_its_legs_stop_and_wait(name, gait, speed, more):
 def test_every_robot_notices_it(name, honest):
     robot = Lifted(name, honest=honest)
     assert 0 < robot.noticed_s - robot.touched_s <= NOTICED_S
-
-
-def test_a_walk_that_is_lifted_does_not_arrive():
-    spec = WalkSpec(load_robot("caramelo"), "trot", 0.1, distance_m=0.6, limit_s=8.0)
-    assert walk_in_space(spec).outcome.ok
-    lifted = WalkSpec(load_robot("caramelo"), "trot", 0.1, distance_m=0.6, limit_s=8.0, lift=Lift(2.0))
-    recording = walk_in_space(lifted)
-    assert not recording.outcome.ok
-    assert recording.position_m[:, 2].max() > recording.position_m[0, 2] + 0.09

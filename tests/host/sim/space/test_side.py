@@ -35,7 +35,7 @@ def frozen(world, robot, rng):
     attitude = np.array([world.attitude_rad()])
     outcome = Outcome("completed", "")
     return SpaceRecording(np.zeros(1), world.position_m()[None], attitude, joints[None], row, row, legs, np.zeros(1),
-                          np.ones(count), 0, outcome)  # fmt: skip
+                          np.ones(count), outcome)  # fmt: skip
 
 
 @pytest.mark.parametrize("name", ["caramelo", "parallel"])

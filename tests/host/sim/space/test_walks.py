@@ -36,8 +36,10 @@ def test_the_papers_gait_is_as_slow_as_the_papers_robot():
 
 
 def test_the_papers_gait_fails_at_5_cm():
+    """At its own gains it falls or gets stuck, and says where."""
     figures = walked("paper-trot", GroundSpec("step", 0.05, start_m=0.25), limit_s=40.0)
     assert not figures["ok"]
+    assert figures["reason"].startswith(("fell at", "stuck at", "timed out at"))
 
 
 def test_the_papers_gait_fails_with_2_kg():

@@ -3,9 +3,8 @@
 import mujoco
 import numpy as np
 
+from host.sim.space.world import World
 from sim2d.model import GRAVITY_M_S2
-
-from .world import World
 
 _HOLD_RAD_S = 12.0  # how stiff the hand is, as the frequency of a robot that hangs in it (assumed)
 _LIFTS_M_S = 0.3  # (assumed)
