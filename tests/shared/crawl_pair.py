@@ -18,8 +18,9 @@ from shared.crawl.state import PAST_SIZE, Crawl
 from shared.record import pack
 from tests.float_twin import crawl_machine as twin
 from tests.float_twin.doubt import Doubt
+from tests.float_twin.si import leg_si
 
-from .robots import block, crawl_si, leg_si
+from .robots import block, crawl_si
 
 FINE_RAD = 2 * math.pi / (1 << 24)
 FLAT_M = 0.004  # what a foot may be off without a riser

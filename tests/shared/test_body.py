@@ -16,9 +16,10 @@ from shared.body.reach import reach_foot
 from shared.record import copy, pack, unpack
 from tests.float_twin import body as twin
 from tests.float_twin import leg as twin_leg
+from tests.float_twin.si import leg_si, rad
 
 from .bars import LARGEST, integers, median, repeatable
-from .robots import NAMES, block, leg_si, rad
+from .robots import NAMES, block
 
 BLOCKS = {name: block(name) for name in NAMES}
 ANGLES = st.tuples(*[integers(-65536, 65536)] * 3)

@@ -10,8 +10,9 @@ from host.robot.scale import brad, core_params
 from shared.body.crawl_setup import CrawlSetup
 from shared.record import pack
 from tests.float_twin import crawl_reach as twin
+from tests.float_twin.si import leg_si
 
-from .robots import KNEES, NAMES, block, crawl_si, leg_si, robot
+from .robots import KNEES, NAMES, block, crawl_si, robot
 
 RATES = (20, 50, 333, 500)
 # What is tuned, by the core's unit; the rest follows from the shape

@@ -25,9 +25,10 @@ from tests.float_twin import crawl as twin
 from tests.float_twin import crawl_carry as carry
 from tests.float_twin import crawl_plan as plan
 from tests.float_twin import crawl_swing as swing
+from tests.float_twin.si import leg_si, rad
 
 from .bars import integers, repeatable
-from .robots import block, leg_si, rad
+from .robots import block
 
 RATE = 50
 PARAMS, PLANAR = block("caramelo", RATE), block("caramelo", RATE)

@@ -21,9 +21,10 @@ from shared.body.reach import INSIDE_HIP, TOO_FAR, TOO_NEAR, reach_foot, scale_d
 from shared.record import pack, unpack
 from tests.float_twin import leg as twin
 from tests.float_twin import reach as twin_reach
+from tests.float_twin.si import leg_si, rad
 
 from .bars import LARGEST, integers, median, repeatable
-from .robots import KNEES, NAMES, block, leg_si, rad, unlimited
+from .robots import KNEES, NAMES, block, unlimited
 
 BLOCKS = {name: unlimited(block(name)) for name in NAMES}
 ANY = integers(-LARGEST - 1, LARGEST)

@@ -15,9 +15,10 @@ from shared.record import copy, pack, unpack
 from shared.sense import legs as sensing
 from tests.float_twin import load as twin
 from tests.float_twin.leg import forward
+from tests.float_twin.si import leg_si, rad
 
 from .bars import median
-from .robots import NAMES, block, leg_si, rad
+from .robots import NAMES, block
 
 BLOCKS = {name: block(name) for name in NAMES}
 AROUND = (0, 1, 3, 2)  # FR, FL, RL, RR

@@ -13,9 +13,10 @@ from shared.num import pid
 from shared.record import pack, unpack
 from tests.float_twin.balance import ERROR_MAX_RAD, Balance
 from tests.float_twin.pid import Pid
+from tests.float_twin.si import planner_si, rad
 
 from .bars import integers, repeatable
-from .robots import block, planner_si, rad
+from .robots import block
 
 GAIN = integers(0, 32767)
 LIMIT = integers(0, 16383)

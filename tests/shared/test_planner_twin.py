@@ -11,8 +11,8 @@ from shared.planner import status as n
 from shared.record import pack, unpack
 from tests.float_twin import planner as twin
 from tests.float_twin.gait import Gait
+from tests.float_twin.si import planner_si, rad
 
-from .robots import planner_si, rad
 from .walker import NAMES, TABLE_GAITS, TABLES, Walker
 
 
