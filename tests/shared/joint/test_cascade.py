@@ -7,9 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host.robot.file import load_robot
-from host.robot.joint_gains import joint_blocks
-from host.robot.joint_units import RATE_PER_RAD_S, JointSetup
+from host.robot.joint_units import RATE_PER_RAD_S
 from shared.joint import cascade, commutation, feed, profile, report
 from shared.joint.commutation import set_commutation
 from shared.joint.drive_state import drive_arm
@@ -31,15 +29,14 @@ from shared.wire.names import (
 )
 from tests.float_twin import joint_motion as twin
 
-from .plant import Plant
+from .plant import BLDC, UPPER_RAD, Plant, made
 
-BLDC = load_robot("parallel").actuator
 INT16 = st.integers(-32768, 32767)
 RATE = st.integers(-(1 << 19) + 1, (1 << 19) - 1)
 
 
 def make(**setup):
-    blocks = joint_blocks(BLDC, JointSetup(-1.0, 1.9, **setup))
+    blocks = made(**setup)
     blocks.state.bus = 6144
     blocks.state.current_limit = blocks.settings.current_max
     return blocks
@@ -279,15 +276,13 @@ def test_no_current_pushes_beyond_a_position_limit(position, current, given_cu):
 
 def armed(mode=MODE_POSITION, **plant):
     p = Plant(elec_offset_brad=12345, direction=-1, **plant)
-    for _ in range(3):
-        p.tick()
+    p.run(3)
     assert home_by_encoder(p.settings, p.state, p.io)
     p.io.mode = mode
     p.io.position = p.wire_position(p.joint_rad())
     p.tick()
     assert drive_arm(p.settings, p.state, p.io, MODE_OFF) == RESULT_OK
-    for _ in range(5):
-        p.tick()
+    p.run(5)
     assert p.state.drive_state == STATE_OPERATION_ENABLED
     return p
 
@@ -334,7 +329,7 @@ def test_velocity_mode_holds_its_speed_and_slows_down_before_the_limit():
         seen |= p.state.limits
     assert speeds[300] == pytest.approx(3.0, rel=0.02)
     assert seen & LIMIT_POSITION
-    assert p.joint_rad() < p.setup.upper_rad + math.radians(1)
+    assert p.joint_rad() < UPPER_RAD + math.radians(1)
     assert abs(speeds[-1]) < 0.05
     p.io.velocity = p.wire_velocity(-40.0)
     p.tick()
@@ -345,8 +340,7 @@ def test_stall_torque_in_current_mode_is_that_of_two_ampere():
     p = armed(MODE_CURRENT)
     p.blocked = True
     p.io.current = 3 * 4096
-    for _ in range(200):
-        p.tick()
+    p.run(200)
     torque = 1.5 * p.pp * p.psi * p.i_q * p.direction * 22
     assert torque == pytest.approx(3.0, rel=0.03)
     assert p.state.limits & LIMIT_CURRENT
@@ -361,8 +355,7 @@ def test_impedance_mode_is_a_spring():
     p.friction = 0.0
     start = p.joint_rad()
     p.load_Nm = 1.0 / 22  # 1 N m at the joint
-    for _ in range(1500):
-        p.tick()
+    p.run(1500)
     assert start - p.joint_rad() == pytest.approx(1.0 / stiffness, rel=0.05)
 
 
@@ -373,8 +366,7 @@ def test_between_set_points_the_target_moves_on_only_for_a_while():
     p.io.velocity = p.wire_velocity(2.0)
     p.ticks = 0
     p.tick()
-    for _ in range(90):
-        p.tick(setpoint=False)
+    p.run(90, setpoint=False)
     moved = (p.state.target >> 8) * p.units.rad_per_rc - start
     assert moved == pytest.approx(2.0 * 0.010, abs=0.001)
     assert p.joint_rad() - start == pytest.approx(moved, abs=0.002)

@@ -30,8 +30,7 @@ FULL, VERIFY = s.COMMISSION_FULL, s.COMMISSION_VERIFY
 
 
 def begun(p, kind):
-    for _ in range(5):
-        p.tick(setpoint=False)
+    p.run(5, setpoint=False)
     begin_commission(p.state, p.commission, kind)
     assert drive_arm(p.settings, p.state, p.io, w.MODE_COMMISSIONING) == w.RESULT_OK
     return p
@@ -121,8 +120,7 @@ def test_to_verify_moves_the_joint_by_at_most_an_electrical_turn_and_changes_not
     p = Watched(elec_offset_brad=900)
     before, gains = pack(p.settings), (p.loop.kp, p.loop.ki)
     begun(p, VERIFY)
-    for _ in range(6000):
-        p.tick(setpoint=False)
+    p.run(6000, setpoint=False)
     assert (p.state.fault_code, p.state.drive_state) == (0, w.STATE_SWITCH_ON_DISABLED)
     assert (pack(p.settings), (p.loop.kp, p.loop.ki)) == (before, gains)
     assert math.degrees(max(far)) < 360 / 7 / 22 * 1.2
@@ -245,8 +243,7 @@ def test_a_joint_encoder_that_does_not_follow_is_refused():
             self.io.joint_raw = 77
 
     p = begun(Stuck(), VERIFY)
-    for _ in range(4000):
-        p.tick(setpoint=False)
+    p.run(4000, setpoint=False)
     assert p.state.fault_code == f.FAULT_COMMISSION_JOINT_ENCODER
 
 
@@ -255,8 +252,7 @@ def test_it_can_be_stopped_in_every_phase_and_leaves_all_as_it_was(phase):
     p = come_to(phase)
     assert p.commission.phase == phase
     before = Plant()
-    for _ in range(20):
-        p.tick(setpoint=False)
+    p.run(20, setpoint=False)
     drive_disarm(p.state)
     p.tick(setpoint=False)
     assert p.state.drive_state == w.STATE_SWITCH_ON_DISABLED
@@ -278,9 +274,7 @@ def test_inertia_and_friction_whatever_pulls(name, pull_Nm):
             self.load_Nm = (pull_Nm if begun else 0.0) + viscous_Nms_rad * self.speed
             super().move(seconds)
 
-    p = begun(Pulled(commissioned=False), FULL)
-    while p.commission.phase:
-        p.tick(setpoint=False)
+    p = finished(Pulled(commissioned=False))
     Nm = p.bldc.motor.torque_constant_Nm_A * p.units.ampere_per_cu
     assert p.state.fault_code == 0
     assert p.settings.inertia == pytest.approx(Plant().settings.inertia, rel=0.04)
@@ -368,9 +362,7 @@ def test_too_much_play_is_named_at_once():
 
 
 def test_play_is_what_both_ways_differ_by():
-    p = begun(Loose(commissioned=False), FULL)
-    while p.commission.phase:
-        p.tick(setpoint=False)
+    p = finished(Loose(commissioned=False))
     assert math.degrees(p.commission.backlash / 16 * p.units.rad_per_rc) == pytest.approx(0.2, abs=0.01)
 
 

@@ -4,9 +4,6 @@ import random
 
 import pytest
 
-from host.robot.file import load_robot
-from host.robot.joint_gains import joint_blocks
-from host.robot.joint_units import JointSetup
 from shared.joint import faults
 from shared.joint import layout as j
 from shared.joint.commission_state import COMMISSION_FULL, COMMISSION_VERIFY, Commission
@@ -18,19 +15,16 @@ from shared.joint.tick import begin_commission, joint_reset, motion_tick
 from shared.record import pack
 from shared.wire import names as w
 
-BLDC = load_robot("parallel").actuator
+from .plant import made
 
 
 class Joint:
     """The blocks of a joint at rest with healthy sensors; the bridge is nowhere."""
 
     def __init__(self, commissioned=True):
-        blocks = joint_blocks(BLDC, JointSetup(-1.0, 1.9, has_joint_encoder=False))
-        self.loop, self.settings, self.state, self.io, self.curve = (
-            blocks.loop, blocks.settings, blocks.state, blocks.io, blocks.curve,
-        )  # fmt: skip
-        self.commission = Commission()
-        self.units = blocks.units
+        blocks = made(has_joint_encoder=False)
+        self.loop, self.settings, self.state, self.io = blocks.loop, blocks.settings, blocks.state, blocks.io
+        self.commission, self.curve = Commission(), blocks.curve
         self.settings.commissioned = int(commissioned)
         joint_reset(self.loop, self.settings, self.state, 100)
         self.healthy()

@@ -117,8 +117,7 @@ def test_stall_is_a_fault_after_its_time_and_holding_a_load_is_not():
     assert abs(p.state.fault_value) == p.settings.current_max
     p = armed()
     p.load_Nm = 0.12  # 1.75 A
-    for _ in range(1500):
-        p.tick()
+    p.run(1500)
     assert p.state.fault_code == 0
     assert abs(p.current_A()) > 1.6
 
@@ -216,8 +215,7 @@ def homing(stop_rad, start_rad=0.0, stop_at=None):
     p.angle = start_rad * 22
     p.loop.rotor = p.rotor()
     encoder_reset(p.loop, p.settings, p.state)
-    for _ in range(3):
-        p.tick()
+    p.run(3)
     assert drive_arm(p.settings, p.state, p.io, w.MODE_OFF) == w.RESULT_NOT_HOMED
     assert drive_arm(p.settings, p.state, p.io, w.MODE_HOMING) == w.RESULT_OK
     for _ in range(20000):
@@ -248,11 +246,9 @@ def test_homing_refuses_a_stop_that_is_not_where_it_should_be():
 def test_homing_gives_up_without_a_stop():
     p = Plant(has_joint_encoder=False)
     p.settings.home_limit_ticks = 300
-    for _ in range(3):
-        p.tick()
+    p.run(3)
     drive_arm(p.settings, p.state, p.io, w.MODE_HOMING)
-    for _ in range(400):
-        p.tick()
+    p.run(400)
     assert p.state.fault_code == f.FAULT_HOME_NO_STOP
 
 
