@@ -1,78 +1,118 @@
-"""The joint as viper in a real MicroPython: same numbers for a long life, current step against its float twin."""
+"""The joint as viper in a real MicroPython: same numbers, no allocation, current step against its float twin."""
 
+import json
 import shutil
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
-from host.boards.runtimes import CPython, Unix
-from host.lab.parity.sources import gather
-from shared.joint.current import STEP_INPUT, STEP_LIMIT, STEP_SHAPE
+from host.boards.build.lower import lowered_modules
+from host.boards.build.rewrite import rewrite
+from host.boards.build.source import closure
+from host.robot.file import load_robot
+from host.robot.joint_gains import joint_blocks
+from host.robot.joint_units import JointSetup
+from shared.record import pack
 from tests import ROOT
-from tests.marks import skip_without
 
-TICKS = 7200
-LIFE = f"""
-import json
-from probe.draw import Digest
-from probe.joint import BLOCKS, COMMISSION, FIELDS, PROBES, SETTINGS, STATE, Life, begin, tick
+from .trace import Trace
 
-life, digest = Life("life", tick.motion_tick, BLOCKS, (FIELDS, STATE, SETTINGS, COMMISSION), begin=begin), Digest()
-life.run({TICKS}, digest)
-step, codes = PROBES[0], 0
-step.start()
-for index in range(1000):
-    step.draw(index, 1000)
-    codes |= 1 << step.call()
-print("@@" + json.dumps(dict(digest=digest.number(), codes=codes)))
-"""
-COST = """
-import json, time
-from probe.joint_robot import LOOP, begin
+VM = Path(sys.executable).with_name("micropython")
+TICKS = 4800
+
+SCRIPT = """
+import gc, json, micropython, time
+from array import array
+from data import LOOP_SETTINGS, SETTINGS, CURVE, TICKS
 from shared.joint.current import current_step
+from shared.joint.thermal import slow_tick
+from shared.joint.tick import motion_tick
+from trace import Trace
 from twin import CurrentLoop
 
-floats = CurrentLoop(1.7, 0.3, 24.0, 7, 0.1)
-
-def integer():
-    for rotor in range(5000):
-        current_step(rotor & 16383, 0, LOOP)
-
-def floating():
-    step = floats.step
-    for _ in range(5000):
-        step(1.234, 0.5, -0.2, -0.3)
-
-def best_us(call):
+def best_us(call, count):
     best = 1 << 30
     for _ in range(5):
-        begin()
         start = time.ticks_us()
-        call()
+        call(count)
         best = min(best, time.ticks_diff(time.ticks_us(), start))
     return best
 
-print("@@" + json.dumps(dict(integer_us=best_us(integer), float_us=best_us(floating))))
+trace = Trace(LOOP_SETTINGS, SETTINGS, CURVE)
+digest = trace.run(TICKS)
+other = Trace(LOOP_SETTINGS, SETTINGS, CURVE)
+loop = other.at_rest()
+floats = CurrentLoop(1.7, 0.3, 24.0, 7, 0.1)
+
+def integer(count):
+    other.at_rest()
+    for rotor in range(count):
+        current_step(rotor & 16383, 0, loop)
+
+def floating(count):
+    step = floats.step
+    for _ in range(count):
+        step(1.234, 0.5, -0.2, -0.3)
+
+def allocated(trace):
+    before = micropython.mem_total()
+    for rotor in range(200):
+        current_step(rotor, 0, loop)
+        motion_tick(trace.loop, trace.settings, trace.state, trace.io, trace.commission)
+        slow_tick(trace.settings, trace.state, trace.io, trace.curve)
+    return micropython.mem_total() - before
+
+allocated(trace)
+other.at_rest()
+print(json.dumps({"digest": digest, "codes": trace.codes, "bytes": allocated(trace),
+                  "integer_us": best_us(integer, 5000), "float_us": best_us(floating, 5000)}))
 """
 
 
+def block_values():
+    blocks = joint_blocks(load_robot("parallel").actuator, JointSetup(-1.0, 1.9, has_joint_encoder=False))
+    blocks.settings.commissioned = 1
+    return pack(blocks.loop_settings), pack(blocks.settings), blocks.curve
+
+
 @pytest.fixture(scope="module")
-def viper(tmp_path_factory):
-    """Return what runs a script in the VM, which has the core as viper and the float twin of the current step."""
-    runtime = Unix("viper")
-    skip_without(runtime)
-    tree = runtime.prepare(gather(tmp_path_factory.mktemp("gathered")), tmp_path_factory.mktemp("viper"))
-    shutil.copy(ROOT / "tests/float_twin/joint_current.py", tree / "twin.py")
-    return lambda script: runtime.ask(tree, script)
+def answer(tmp_path_factory):
+    if not VM.exists():
+        pytest.skip("no MicroPython unix VM beside this python")
+    folder = tmp_path_factory.mktemp("joint")
+    sources = tmp_path_factory.mktemp("sources")
+    shutil.copytree(ROOT / "shared", sources / "shared")
+    (sources / "trace").mkdir()
+    shutil.copy(Path(__file__).with_name("trace.py"), sources / "trace" / "__init__.py")
+    modules = lowered_modules(sources, ("shared", "trace"))
+    for name in closure(modules, ["trace"]):
+        module = modules[name]
+        target = folder / module.path
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(rewrite(module, modules, "viper", "x64"))
+    shutil.copy(ROOT / "tests/float_twin/joint_current.py", folder / "twin.py")
+    loop_settings, settings, curve = block_values()
+    (folder / "data.py").write_text(
+        f"LOOP_SETTINGS = {loop_settings}\nSETTINGS = {settings}\nCURVE = {curve}\nTICKS = {TICKS}\n"
+    )
+    (folder / "main.py").write_text(SCRIPT)
+    ran = subprocess.run([VM, "main.py"], cwd=folder, capture_output=True, text=True, timeout=120)
+    assert ran.returncode == 0, ran.stdout + ran.stderr
+    return json.loads(ran.stdout)
 
 
-def test_viper_gives_the_same_numbers(viper, tmp_path):
-    runtime = CPython()
-    here = runtime.ask(runtime.prepare(gather(tmp_path), tmp_path / "here"), LIFE)
-    assert here == viper(LIFE)
-    for code in (STEP_INPUT, STEP_LIMIT, STEP_SHAPE):
-        assert here["codes"] >> code & 1, "repaired inputs, limited and shaped voltages all occur"
+def test_viper_gives_the_same_numbers(answer):
+    trace = Trace(*block_values())
+    assert trace.run(TICKS) == answer["digest"]
+    assert trace.codes == answer["codes"]
+    assert trace.codes & 0b1110 == 0b1110  # repaired inputs, limited and shaped voltages all occurred
 
 
-def test_the_current_step_is_five_times_as_fast_as_its_float_twin(viper):
-    found = viper(COST)
-    assert found["float_us"] >= 5 * found["integer_us"]
+def test_nothing_is_allocated_per_tick(answer):
+    assert answer["bytes"] == 0
+
+
+def test_the_current_step_is_five_times_as_fast_as_its_float_twin(answer):
+    assert answer["float_us"] >= 5 * answer["integer_us"]
