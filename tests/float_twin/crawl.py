@@ -122,8 +122,8 @@ class PoseLoop:
         return max(-self.limit, min(self.limit, value))
 
 
-def leg_joints(foot, pose, hip, side_l1, l2, l3, knee):
-    """Return the angles that put a foot of the map where it is, under a body with yaw in front of its tilt."""
+def leg_joints(foot, pose, one):
+    """Return the angles of a leg that put a foot of the map where it is, under a body with yaw in front of its tilt."""
     away = turn([foot[i] - pose[i] for i in range(3)], -pose[5])
     tilt = [0.0, 0.0, 0.0, pose[3], pose[4], 0.0]
-    return twin_leg.inverse(twin_body.from_base(tilt, away, hip), side_l1, l2, l3, knee)
+    return twin_leg.inverse(twin_body.from_base(tilt, away, one.hip), one.side_l1, one.l2, one.l3, one.knee)

@@ -20,7 +20,6 @@ from shared.crawl.state import Crawl, Footholds, Map
 from shared.crawl.swing import brake_speed
 from shared.gait.table import MOVER_TABLE
 from shared.num.filters import fraction, quintic_q15
-from shared.planner import command as c
 from shared.planner import status as n
 from shared.planner.handover import REASON_COMMAND, REASON_EVEN, REASON_HELD
 from shared.record import pack, unpack
@@ -31,18 +30,6 @@ from sim2d.run import simulate
 from .bars import integers, repeatable
 from .robots import block
 from .walker import BACK, OFF, ON, Walker, phase
-
-
-def crawling(seconds=3.0, gait="crawl"):
-    """Return a walker that stands up and has commanded the crawl for some seconds."""
-    walker = Walker()
-    walker.mode(c.MODE_STAND)
-    walker.until(n.STANDING)
-    walker.gait(gait)
-    walker.speed(0.05)
-    walker.mode(c.MODE_WALK)
-    walker.ticks(round(seconds * walker.rate_hz))
-    return walker
 
 
 @repeatable(800)
@@ -73,18 +60,13 @@ def standing(x_lu, y_lu, heading_rad):
     crawl, sensing = Crawl(block("caramelo")), Sensing()
     dice = random.Random(4)
     for leg in range(4):
-        foot = [
-            (1 - leg // 2 * 2) * 15000 + dice.randint(-3000, 3000),
-            (leg % 2 * 2 - 1) * 15000,
-            dice.randint(-500, 500),
-        ]
-        for axis in range(3):
-            crawl.map.feet[leg][axis] = foot[axis] << 8
+        x = (1 - leg // 2 * 2) * 15000 + dice.randint(-3000, 3000)
+        foot = x, (leg % 2 * 2 - 1) * 15000, dice.randint(-500, 500)
+        unpack(crawl.map.feet[leg], [value << 8 for value in foot])
         dx, dy = foot[0] - x_lu, foot[1] - y_lu
         cosine, sine = math.cos(heading_rad), math.sin(heading_rad)
         seen = dx * cosine + dy * sine, dy * cosine - dx * sine, foot[2] - 24000
-        for axis in range(3):
-            sensing.level[leg][axis] = round(seen[axis])
+        unpack(sensing.level[leg], [round(value) for value in seen])
         crawl.support.stance[leg], crawl.support.share_q12[leg] = 1, 4096
     return crawl, sensing
 
@@ -154,21 +136,18 @@ def test_footholds_come_out_in_the_order_they_went_in():
 
 
 def test_the_crawl_begins_when_commanded_and_tells_why():
-    walker = crawling(1.0)
-    status = walker.planner.status
-    assert (phase(walker.planner), status.reason) == (ON, REASON_COMMAND)
+    walker = Walker()
+    walker.walk("crawl")
+    walker.ticks(50)
+    assert (phase(walker.planner), walker.planner.status.reason) == (ON, REASON_COMMAND)
     assert walker.state == n.WALKING
 
 
 @pytest.mark.parametrize("missing", ["joints", "tilt"])
 def test_without_joints_or_attitude_it_stands_and_says_so(missing):
     walker = Walker()
-    walker.mode(c.MODE_STAND)
-    walker.until(n.STANDING)
+    walker.walk("crawl")
     setattr(walker.sensed.valid, missing, 0)
-    walker.gait("crawl")
-    walker.speed(0.05)
-    walker.mode(c.MODE_WALK)
     assert walker.ticks(50) & n.BLIND
     assert (phase(walker.planner), walker.state) == (OFF, n.STANDING)
 

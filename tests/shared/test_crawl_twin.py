@@ -435,7 +435,7 @@ def test_a_crawl_begins_under_the_body_on_its_feet(crawl, seed):
     tilt, felt = [dice.uniform(-0.1, 0.1) for _ in range(2)], [dice.uniform(0.0, 0.8) for _ in range(4)]
     sensing, joints = Sensing(), array("i")
     for foot, shape in zip(level, LEGS, strict=True):
-        angles = twin.leg_joints(foot, [0.0] * 6, shape.hip, shape.side_l1, shape.l2, shape.l3, shape.knee)
+        angles = twin.leg_joints(foot, [0.0] * 6, shape)
         joints.extend(round((angle + dice.uniform(-0.05, 0.05)) / (2 * math.pi) * 65536) for angle in angles)
     for leg in range(4):
         sensing.force_q12[leg] = round(felt[leg] * 4096)
@@ -529,6 +529,6 @@ def test_a_leg_puts_its_foot_where_the_map_has_it(crawl, seed):
     for leg, shape in enumerate(LEGS):
         if crawl_goals.leg_goal(crawl, leg, 0):
             continue  # out of reach: another function's matter
-        exact = twin.leg_joints(feet[leg], [*place, *angles], shape.hip, shape.side_l1, shape.l2, shape.l3, shape.knee)
+        exact = twin.leg_joints(feet[leg], [*place, *angles], shape)
         found = [rad(crawl.joints[leg * 3 + joint]) for joint in range(3)]
         assert max(abs(a - b) for a, b in zip(found, exact, strict=True)) < 2e-3

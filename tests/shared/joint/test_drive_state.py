@@ -50,11 +50,15 @@ class Joint:
     def arm(self, purpose=w.MODE_OFF):
         return drive_arm(self.settings, self.state, self.io, purpose)
 
-    def run(self):
+    def ready(self):
         self.tick(2)
         home_at(self.settings, self.state, 100)
         self.setpoint()
         self.tick()
+        return self
+
+    def run(self):
+        self.ready()
         assert self.arm() == w.RESULT_OK
         assert self.tick(4) == w.STATE_OPERATION_ENABLED
         return self
@@ -64,9 +68,7 @@ def test_arming_climbs_one_state_a_tick():
     joint = Joint()
     assert joint.state.drive_state == w.STATE_NOT_READY
     assert joint.tick(2) == w.STATE_SWITCH_ON_DISABLED
-    home_at(joint.settings, joint.state, 100)
-    joint.setpoint()
-    joint.tick()
+    joint.ready()
     assert joint.arm() == w.RESULT_OK
     seen = [joint.tick() for _ in range(4)]
     assert seen == [w.STATE_READY, w.STATE_SWITCHED_ON, w.STATE_OPERATION_ENABLED, w.STATE_OPERATION_ENABLED]
@@ -84,11 +86,7 @@ def test_arming_climbs_one_state_a_tick():
     ],
 )
 def test_arming_is_refused_with_a_reason(place, value, result):
-    joint = Joint()
-    joint.tick(2)
-    home_at(joint.settings, joint.state, 100)
-    joint.setpoint()
-    joint.tick()
+    joint = Joint().ready()
     setattr(joint.io, place, value)
     assert joint.arm() == result
     assert joint.tick(4) == w.STATE_SWITCH_ON_DISABLED
