@@ -45,9 +45,13 @@ def planner_si(params):
     pose_unit = [unit_m] * 3 + [rad(1)] * 3
     gains = of.kp_q12 / 4096, of.ki_q16 / 65536 * rate, of.kd_q10 / 1024 / rate
     return Plain(
+        rate_hz=rate,
+        sent_ticks=params.sent_ticks,
         unit_m=unit_m,
+        leg_m=params.leg_length * unit_m,
         legs=[leg_si(params, leg) for leg in range(4)],
         speed_unit=speed_unit,
+        pose_unit=pose_unit,
         speed_max=scaled(params.speed_max, speed_unit),
         speed_slew=scaled(params.speed_slew, speed_unit),
         pose_max=scaled(params.pose_max, pose_unit),
