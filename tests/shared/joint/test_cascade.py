@@ -12,21 +12,7 @@ from shared.joint import cascade, commutation, feed, profile, report
 from shared.joint.commutation import set_commutation
 from shared.joint.drive_state import drive_arm
 from shared.joint.encoder import home_by_encoder
-from shared.wire.names import (
-    LIMIT_ACCELERATION,
-    LIMIT_CURRENT,
-    LIMIT_OVER_VOLTAGE,
-    LIMIT_POSITION,
-    LIMIT_UNDER_VOLTAGE,
-    LIMIT_VELOCITY,
-    MODE_CURRENT,
-    MODE_IMPEDANCE,
-    MODE_OFF,
-    MODE_POSITION,
-    MODE_VELOCITY,
-    RESULT_OK,
-    STATE_OPERATION_ENABLED,
-)
+from shared.wire import names as w
 from tests.float_twin import joint_motion as twin
 
 from .plant import BLDC, UPPER_RAD, Plant, made
@@ -194,16 +180,16 @@ def test_limit_current_falls_with_the_bus_and_says_why():
     s, k = blocks.state, blocks.settings
     top = s.current_limit
     assert cascade.limit_current(k, s, 5000) == top
-    assert s.limits == LIMIT_CURRENT
+    assert s.limits == w.LIMIT_CURRENT
     s.limits, s.velocity = 0, 1000
     s.bus = (k.under + k.under_start) // 2
     assert abs(cascade.limit_current(k, s, 5000) - top / 2) <= 1
     assert cascade.limit_current(k, s, -5000) == -top
-    assert s.limits == LIMIT_UNDER_VOLTAGE | LIMIT_CURRENT
+    assert s.limits == w.LIMIT_UNDER_VOLTAGE | w.LIMIT_CURRENT
     s.limits, s.bus = 0, k.over
     assert cascade.limit_current(k, s, -5000) == 0
     assert cascade.limit_current(k, s, 5000) == top
-    assert s.limits & LIMIT_OVER_VOLTAGE
+    assert s.limits & w.LIMIT_OVER_VOLTAGE
 
 
 @given(st.lists(st.integers(-65535, 65535), min_size=1, max_size=40))
@@ -271,19 +257,19 @@ def test_no_current_pushes_beyond_a_position_limit(position, current, given_cu):
     blocks = make()
     blocks.state.position = position
     assert cascade.guard_position(blocks.settings, blocks.state, current) == given_cu
-    assert bool(blocks.state.limits & LIMIT_POSITION) == (given_cu == 0)
+    assert bool(blocks.state.limits & w.LIMIT_POSITION) == (given_cu == 0)
 
 
-def armed(mode=MODE_POSITION, **plant):
+def armed(mode=w.MODE_POSITION, **plant):
     p = Plant(elec_offset_brad=12345, direction=-1, **plant)
     p.run(3)
     assert home_by_encoder(p.settings, p.state, p.io)
     p.io.mode = mode
     p.io.position = p.wire_position(p.joint_rad())
     p.tick()
-    assert drive_arm(p.settings, p.state, p.io, MODE_OFF) == RESULT_OK
+    assert drive_arm(p.settings, p.state, p.io, w.MODE_OFF) == w.RESULT_OK
     p.run(5)
-    assert p.state.drive_state == STATE_OPERATION_ENABLED
+    assert p.state.drive_state == w.STATE_OPERATION_ENABLED
     return p
 
 
@@ -301,7 +287,7 @@ def test_position_step_settles_without_overshoot_within_the_current_limit(inerti
     assert abs(p.joint_rad() - start - 0.5) < math.radians(0.2)
     assert highest < 0.5 * 1.05
     assert current < 2.0 * 1.05
-    assert seen & LIMIT_ACCELERATION
+    assert seen & w.LIMIT_ACCELERATION
     assert p.state.fault_code == 0
 
 
@@ -320,7 +306,7 @@ def test_sine_of_two_hertz_is_tracked_within_a_degree():
 
 
 def test_velocity_mode_holds_its_speed_and_slows_down_before_the_limit():
-    p = armed(MODE_VELOCITY)
+    p = armed(w.MODE_VELOCITY)
     p.io.velocity = p.wire_velocity(3.0)
     speeds, seen = [], 0
     for _ in range(900):
@@ -328,27 +314,27 @@ def test_velocity_mode_holds_its_speed_and_slows_down_before_the_limit():
         speeds.append(p.speed / 22)
         seen |= p.state.limits
     assert speeds[300] == pytest.approx(3.0, rel=0.02)
-    assert seen & LIMIT_POSITION
+    assert seen & w.LIMIT_POSITION
     assert p.joint_rad() < UPPER_RAD + math.radians(1)
     assert abs(speeds[-1]) < 0.05
     p.io.velocity = p.wire_velocity(-40.0)
     p.tick()
-    assert p.state.limits & LIMIT_VELOCITY
+    assert p.state.limits & w.LIMIT_VELOCITY
 
 
 def test_stall_torque_in_current_mode_is_that_of_two_ampere():
-    p = armed(MODE_CURRENT)
+    p = armed(w.MODE_CURRENT)
     p.blocked = True
     p.io.current = 3 * 4096
     p.run(200)
     torque = 1.5 * p.pp * p.psi * p.i_q * p.direction * 22
     assert torque == pytest.approx(3.0, rel=0.03)
-    assert p.state.limits & LIMIT_CURRENT
+    assert p.state.limits & w.LIMIT_CURRENT
     assert p.state.fault_code == 0
 
 
 def test_impedance_mode_is_a_spring():
-    p = armed(MODE_IMPEDANCE)
+    p = armed(w.MODE_IMPEDANCE)
     stiffness = 20.0  # N m/rad
     per_turn = stiffness / (p.bldc.motor.torque_constant_Nm_A * 22) * math.tau
     p.io.stiffness, p.io.damping = round(per_turn * 16), round(0.03 * per_turn * 256)
