@@ -17,9 +17,9 @@ from . import ROOT
 CACHE = ROOT / ".pytest_cache/d"  # where pytest keeps things
 
 
-def kept_core(cache: Path = CACHE) -> Path:
+def kept_core() -> Path:
     """Return the folder for CARAMELO_CORE that holds the core of these sources, made if it is not there."""
-    home = cache / f"core-{version('mypy')}"
+    home = CACHE / f"core-{version('mypy')}"
     if not (home / sources_id()).is_dir():
         shutil.rmtree(home, ignore_errors=True)  # of other sources
         build_core(home / sources_id())

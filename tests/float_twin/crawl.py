@@ -9,6 +9,7 @@ import math
 
 from . import body as twin_body
 from . import leg as twin_leg
+from .fixed import limit
 
 
 def heading(seen, places, weights):
@@ -63,7 +64,7 @@ def slope_pitch(feet, least_m):
     """Return the body's pitch over the feet: 0.8 of their slope, nose up when they rise, within 0.3 rad."""
     front, hind = middle(feet[:2]), middle(feet[2:])
     slope = math.atan2(front[2] - hind[2], max(front[0] - hind[0], least_m))
-    return -max(-0.3, min(0.3, 0.8 * slope))
+    return -limit(0.8 * slope, -0.3, 0.3)
 
 
 def mass_ahead(com, pitch):
@@ -106,24 +107,20 @@ def quintic(u):
 class PoseLoop:
     """One axis of the slow loop that brings the measured pose to the wanted one."""
 
-    def __init__(self, start, lag, share, gain, limit):
+    def __init__(self, start, lag, share, gain, most):
         self.lagged, self.integral = start, 0.0
-        self.lag, self.share, self.gain, self.limit = lag, share, gain, limit
+        self.lag, self.share, self.gain, self.most = lag, share, gain, most
 
     def step(self, wanted, measured):
         """Return the pose to command in this tick."""
         self.lagged += self.lag * (wanted - self.lagged)
         error = self.lagged - measured
-        self.integral = self.clip(self.integral + self.gain * error)
-        return wanted + self.clip(self.share * error + self.integral)
-
-    def clip(self, value):
-        """Return value within the loop's limit."""
-        return max(-self.limit, min(self.limit, value))
+        self.integral = limit(self.integral + self.gain * error, -self.most, self.most)
+        return wanted + limit(self.share * error + self.integral, -self.most, self.most)
 
 
-def leg_joints(foot, pose, hip, side_l1, l2, l3, knee):
-    """Return the angles that put a foot of the map where it is, under a body with yaw in front of its tilt."""
+def leg_joints(foot, pose, one):
+    """Return the angles of a leg that put a foot of the map where it is, under a body with yaw in front of its tilt."""
     away = turn([foot[i] - pose[i] for i in range(3)], -pose[5])
     tilt = [0.0, 0.0, 0.0, pose[3], pose[4], 0.0]
-    return twin_leg.inverse(twin_body.from_base(tilt, away, hip), side_l1, l2, l3, knee)
+    return twin_leg.inverse(twin_body.from_base(tilt, away, one.hip), one.side_l1, one.l2, one.l3, one.knee)

@@ -50,5 +50,5 @@ def goals(feet, stands, swing_at, wanted, low, commanded, warp, legs):
             foot[2] += warp if leg in (0, 3) else -warp
         else:
             foot, pose = swing_at, [a + b for a, b in zip(wanted, low)]
-        angles.append(crawl.leg_joints(foot, pose, shape.hip, shape.side_l1, shape.l2, shape.l3, shape.knee))
+        angles.append(crawl.leg_joints(foot, pose, shape))
     return angles

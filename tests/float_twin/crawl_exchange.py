@@ -13,7 +13,7 @@ LANDINGS_EVEN = 16
 
 
 class Retreat:
-    """The held-up trot walks back; robot: leg_m, vx_max (per tick), rate_hz."""
+    """The held-up trot walks back; robot: leg_m, speed_max (per tick), rate_hz."""
 
     def __init__(self, robot, doubt):
         self.robot, self.doubt = robot, doubt
@@ -26,20 +26,20 @@ class Retreat:
         far_enough = not self.doubt.above(0.3 * self.robot.leg_m, self.back_m, 1e-7)
         self.ends = self.ends or far_enough or self.ticks > 6 * self.robot.rate_hz
         self.stood = self.stood + 1 if self.ends and standing else 0
-        return 0.0 if self.ends else -0.1 * self.robot.vx_max, self.stood > self.robot.rate_hz / 2
+        return 0.0 if self.ends else -0.1 * self.robot.speed_max[0], self.stood > self.robot.rate_hz / 2
 
 
 def can_follow(robot, speed):
     """Return whether the crawl can go that way: no more sideways than forwards, a twelfth of the fastest turn."""
     vx, vy, wz = speed
-    return vx > 0 and abs(vy) <= vx and abs(wz) <= robot.wz_max / 12
+    return vx > 0 and abs(vy) <= vx and abs(wz) <= robot.speed_max[2] / 12
 
 
 class Exchange:
-    """The exchange of one robot; robot: what Retreat needs, wz_max, sent_ticks, gaits (how many)."""
+    """The exchange of one robot; robot: what Retreat needs, sent_ticks; gaits: how many there are."""
 
-    def __init__(self, robot, doubt):
-        self.robot, self.doubt = robot, doubt
+    def __init__(self, robot, gaits, doubt):
+        self.robot, self.gaits, self.doubt = robot, gaits, doubt
         self.stage, self.reason, self.blind = OFF, NO_REASON, False
         self.walked, self.retreat = None, None
 
@@ -88,7 +88,7 @@ class Exchange:
 
     def wanted(self, command):
         """Return the commanded gait; an unknown one is the one that is walked."""
-        return command.gait if 0 <= command.gait < self.robot.gaits else self.walked
+        return command.gait if 0 <= command.gait < self.gaits else self.walked
 
     def why_end(self, command, crawl):
         """Return why the crawl is to give back, or NO_REASON; a crawl that goes on is part of the commanded gait."""

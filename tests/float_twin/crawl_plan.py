@@ -4,6 +4,7 @@ import math
 
 from . import crawl
 from .fixed import limit
+from .load import distance, left_of
 
 
 class BodyMove:
@@ -81,16 +82,6 @@ def shrunk(corners, margin):
         return None
     share = 1 - margin / radius
     return [tuple([middle[i] + share * (corner[i] - middle[i]) for i in range(2)]) for corner in corners]
-
-
-def left_of(a, b, point):
-    """Return twice the area of a, b, point: above 0 if the point is to the left of the way from a to b."""
-    return (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])
-
-
-def distance(a, b):
-    """Return how far two points are apart in the plane."""
-    return math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2)
 
 
 def nearest_on(a, b, point):

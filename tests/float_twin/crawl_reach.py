@@ -1,15 +1,6 @@
 """What a crawl of a robot's shape may plan with, in floats (m, rad): reach by the cosine rule, height, stride."""
 
-import math
-
-
-def leg_lengths(shape):
-    """Return (straightest, most bent) distance from thigh joint to foot that the calf's limits leave."""
-    ends = [
-        math.sqrt(shape.l2**2 + shape.l3**2 + 2 * shape.l2 * shape.l3 * math.cos(calf))
-        for calf in (shape.low[2], shape.high[2])
-    ]
-    return max(ends), min(ends)
+from .reach import leg_lengths
 
 
 def shape(legs):

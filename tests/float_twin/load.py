@@ -2,12 +2,7 @@
 
 import math
 
-from . import leg as twin_leg
-
-
-def foot(joints, side_l1, l2, l3):
-    """Return the foot from the hip (paper A eqs 1-6)."""
-    return twin_leg.forward(joints, side_l1, l2, l3)
+from . import leg
 
 
 def jacobian(joints, side_l1, l2, l3, step=1e-6):
@@ -18,8 +13,8 @@ def jacobian(joints, side_l1, l2, l3, step=1e-6):
         down = list(joints)
         up[joint] += step
         down[joint] -= step
-        a = foot(up, side_l1, l2, l3)
-        b = foot(down, side_l1, l2, l3)
+        a = leg.forward(up, side_l1, l2, l3)
+        b = leg.forward(down, side_l1, l2, l3)
         columns.append([(a[i] - b[i]) / (2 * step) for i in range(3)])
     return columns
 
@@ -72,12 +67,15 @@ def determinant(m):
 
 def margin(corners, point):
     """Return the signed distance of a point to a convex polygon's lines (corners against the clock), above 0 inside."""
-    least = None
-    for i in range(len(corners)):
-        a = corners[i]
-        b = corners[(i + 1) % len(corners)]
-        length = math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2)
-        side = ((b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])) / length
-        if least is None or side < least:
-            least = side
-    return least
+    sides = zip(corners, corners[1:] + corners[:1])
+    return min([left_of(a, b, point) / distance(a, b) for a, b in sides])
+
+
+def left_of(a, b, point):
+    """Return twice the area of a, b, point: above 0 if the point is to the left of the way from a to b."""
+    return (b[0] - a[0]) * (point[1] - a[1]) - (b[1] - a[1]) * (point[0] - a[0])
+
+
+def distance(a, b):
+    """Return how far two points are apart in the plane."""
+    return math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2)

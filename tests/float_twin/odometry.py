@@ -6,6 +6,7 @@ robot's own weight.
 
 import math
 
+from .crawl import heading
 from .fixed import limit
 
 BIAS_RAD_S = math.radians(0.0075)
@@ -90,14 +91,8 @@ def body_turn(turned, tilt):
 
 def feet_turn(before, now, weights):
     """Return the turn of the body that fits feet which stay (planar Procrustes)."""
-    total = sum(weights)
-    b0, n0 = [[sum([w * f[i] for w, f in zip(weights, feet)]) / total for i in range(2)] for feet in (before, now)]
-    across = along = 0.0
-    for w, b, n in zip(weights, before, now):
-        bx, by, nx, ny = b[0] - b0[0], b[1] - b0[1], n[0] - n0[0], n[1] - n0[1]
-        across += w * (nx * by - ny * bx)
-        along += w * (nx * bx + ny * by)
-    return math.atan2(across, along) if along > 0 else 0.0
+    turn = heading(now, before, weights)
+    return turn if abs(turn) < math.pi / 2 else 0.0
 
 
 def shift_of(before, now, turn):

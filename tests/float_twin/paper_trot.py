@@ -7,6 +7,9 @@ x forward, z up, angles about +y. The hips stay at 0: this is the robot's sagitt
 
 import math
 
+from . import leg as twin_leg
+from . import swing
+
 PERIOD_S = 0.5
 RATE_HZ = 50
 POINTS = 25
@@ -14,36 +17,19 @@ DIAGONALS = ((0, 3), (1, 2))
 BODY, SWING = 0, 1
 
 
-def linspace(start, stop, count):
-    """Return ``count`` evenly spaced values, both ends included."""
-    return [start + (stop - start) * i / (count - 1) for i in range(count)]
-
-
 def sample_times(p_t, p_n):
-    """Return the N instants at which a swing of T is sampled, one sent every 20 ms.
-
-    int(N p_n) points lie evenly from 0 to p_t T, the rest from there to T. All evenly spaced if either is 1.
-    """
-    if p_t == 1 or p_n == 1:
-        return linspace(0, PERIOD_S, POINTS)
-    first = int(POINTS * p_n)
-    knee = p_t * PERIOD_S
-    return linspace(0, knee, first) + linspace(knee, PERIOD_S, POINTS - first + 1)[1:]
+    """Return the N instants at which a swing of T is sampled, one sent every 20 ms."""
+    return [PERIOD_S * share for share in swing.instants(POINTS, p_t, p_n)]
 
 
 def cycloid(share):
     """Return (advance 0..1, height 0..1) of eqs 11-14 at t / T = share."""
-    k = 2 * math.pi * share
-    return (k - math.sin(k)) / (2 * math.pi), (1 - math.cos(k)) / 2
+    return swing.advance(share), swing.lift(share)
 
 
-def inverse(x_m, z_m, thigh_m, calf_m, knee=-1):
+def inverse(x_m, z_m, thigh_m, calf_m):
     """Return (thigh, calf) in rad that put the foot at (x, z) from the hip, eqs 1-6 in the plane."""
-    d2 = min(x_m * x_m + z_m * z_m, (thigh_m + calf_m) ** 2)
-    cos_calf = (d2 - thigh_m * thigh_m - calf_m * calf_m) / (2 * thigh_m * calf_m)
-    calf = knee * math.acos(max(-1.0, min(1.0, cos_calf)))
-    thigh = -math.atan2(x_m, -z_m) - math.atan2(calf_m * math.sin(calf), thigh_m + calf_m * math.cos(calf))
-    return thigh, calf
+    return twin_leg.inverse((x_m, 0.0, z_m), 0.0, thigh_m, calf_m, -1)[1:]
 
 
 class Balance:
@@ -93,16 +79,16 @@ class PaperTrot:
 
     def _body(self, point):
         """All feet go back half a stride under the body."""
-        advance, _ = cycloid(self.even[point] / PERIOD_S)
-        self.foot_x = [x - advance * self.stride_m / 2 for x in self.from_x]
+        share = swing.advance(self.even[point] / PERIOD_S)
+        self.foot_x = [x - share * self.stride_m / 2 for x in self.from_x]
         return [0.0] * 4
 
     def _swing(self, pair, point):
         """One diagonal goes forward to half a stride ahead of its hips' middle; the other stands."""
-        advance, rise = cycloid(self.times[point] / PERIOD_S)
+        share, rise = cycloid(self.times[point] / PERIOD_S)
         lift = [0.0] * 4
         for leg in DIAGONALS[pair]:
-            self.foot_x[leg] = self.from_x[leg] + advance * (self.stride_m / 2 - self.from_x[leg])
+            self.foot_x[leg] = self.from_x[leg] + share * (self.stride_m / 2 - self.from_x[leg])
             lift[leg] = self.height_m * rise
         return lift
 

@@ -14,9 +14,15 @@ def nearest_and_farthest(l1_m, l2_m, l3_m):
 
 def usable(one):
     """Return the shortest and the longest distance from hip to foot that the limits of a leg's calf leave."""
-    ends = [math.sqrt(one.l2**2 + one.l3**2 + 2 * one.l2 * one.l3 * math.cos(q)) for q in (one.low[2], one.high[2])]
+    straight, bent = leg_lengths(one)
     near, far = nearest_and_farthest(one.l1, one.l2, one.l3)
-    return max(near, length(one.l1, min(ends))), min(far, length(one.l1, max(ends)))
+    return max(near, length(one.l1, bent)), min(far, length(one.l1, straight))
+
+
+def leg_lengths(one):
+    """Return (straightest, most bent) distance from thigh joint to foot that the calf's limits leave."""
+    ends = [math.sqrt(one.l2**2 + one.l3**2 + 2 * one.l2 * one.l3 * math.cos(q)) for q in (one.low[2], one.high[2])]
+    return max(ends), min(ends)
 
 
 def to_ends(foot_m, one):

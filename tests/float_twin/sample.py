@@ -6,17 +6,10 @@ from shared.gait.gaits import PAPER_TROT
 
 from . import attitude, leg, planner, reach, swing
 from .gait import Gait
+from .si import Plain
 
 # A body that moves evenly, also while legs swing, and swings of even samples: what the papers' trot is not.
 EVEN_TROT = ((35, 100, 100, 0), ((360, 0, 46), (200, 9, 10), (360, 0, 46), (200, 6, 10)))
-
-
-class Plain:
-    """An object that is nothing but its attributes."""
-
-    def __init__(self, **values):
-        for name in values:
-            setattr(self, name, values[name])
 
 
 def robot(rate_hz):

@@ -1,4 +1,4 @@
-"""What the tests of the core share: repeatable hypothesis settings, 30-bit integers, error statistics."""
+"""What the tests of the core share: repeatable hypothesis settings and integers of 30 bits."""
 
 from hypothesis import settings
 from hypothesis import strategies as st
@@ -18,11 +18,11 @@ def integers(low, high):
     return st.one_of(st.integers(low, high), st.sampled_from(inside))
 
 
+WORD = integers(-LARGEST - 1, LARGEST)
+INT16 = integers(-32768, 32767)
+ANGLES = st.lists(INT16, min_size=12, max_size=12)  # of all joints, brad
+
+
 def any_word(dice):
     """Return any 30-bit word, of any size."""
     return dice.randint(-(1 << 30), (1 << 30) - 1) >> dice.randrange(30)
-
-
-def median(values):
-    """Return the middle one of the sorted values."""
-    return sorted(values)[len(values) // 2]

@@ -15,11 +15,12 @@ from shared.crawl import state as at
 from shared.crawl import steps as crawl_steps
 from shared.crawl.crawl import move_origin, rebase
 from shared.crawl.state import PAST_SIZE, Crawl
-from shared.record import pack
+from shared.record import copy, pack, unpack
 from tests.float_twin import crawl_machine as twin
 from tests.float_twin.doubt import Doubt
+from tests.float_twin.si import leg_si
 
-from .robots import block, crawl_si, leg_si
+from .robots import block, crawl_si
 
 FINE_RAD = 2 * math.pi / (1 << 24)
 FLAT_M = 0.004  # what a foot may be off without a riser
@@ -58,7 +59,7 @@ class Pair:
         if name not in ROOMY:
             self.bounds.update(CRAMPED)
         self.origin = [0.0] * 3
-        self.far, self.pushed, self.doubts, self.turned, self.met = {}, 0.0, 0, 0, set()
+        self.pushed, self.turned, self.met = 0.0, 0, set()
         self.stand()
 
     def stand(self):
@@ -66,9 +67,7 @@ class Pair:
         c = self.crawl
         for leg, shape in enumerate(self.legs):
             c.support.stance[leg], c.support.share_q12[leg] = 1, 4096
-            foot = shape.rest[0], shape.rest[1], self.ground(shape.rest[0])
-            for axis in range(3):
-                c.map.feet[leg][axis] = self.fine(foot[axis])
+            self.put(c.map.feet[leg], (*shape.rest[:2], self.ground(shape.rest[0])))
         c.path.wanted.z = self.fine(self.k.height)
         c.support.heavy_q12 = round(self.trouble.heavy * 4096)
         footholds.footholds_start(c)
@@ -80,6 +79,10 @@ class Pair:
     def fine(self, metres):
         """Return lf."""
         return round(metres / self.fine_m)
+
+    def put(self, place, metres):
+        """Write a place of the core's state."""
+        unpack(place, [self.fine(value) for value in metres])
 
     def feet(self, values):
         """Return four places of the core's state in m."""
@@ -145,8 +148,7 @@ class Pair:
         wrong = trouble.skew - warp + trouble.noise * self.dice.uniform(-0.2, 0.2)
         wrong *= sign * 0.25 * (1.0 if trouble.sticks else share)
         c.support.load_q12[leg], c.support.force_q12[leg] = round(load * 4096), round((load + wrong) * 4096)
-        for axis in range(3):
-            c.map.seen[leg][axis] = c.map.feet[leg][axis]
+        copy(c.map.feet[leg], c.map.seen[leg])
 
     def sense_swing(self, leg):
         """A foot in the air is where it is wanted, except in front of a riser and on the ground."""
@@ -155,9 +157,7 @@ class Pair:
         seen_x = self.stopped(x, z)
         ground = self.ground(seen_x)
         load = max(0.0, ground - z) / self.size * 40 + trouble.noise * self.dice.uniform(-0.1, 0.1)
-        seen = seen_x, y, max(z, ground)
-        for axis in range(3):
-            c.map.seen[leg][axis] = self.fine(seen[axis])
+        self.put(c.map.seen[leg], (seen_x, y, max(z, ground)))
         c.support.load_q12[leg], c.support.force_q12[leg] = 0, round((trouble.tare + min(load, 0.5)) * 4096)
         hip = [self.pose(self.crawl.path.wanted)[axis] + self.legs[leg].hip[axis] for axis in range(3)]
         away = [a - b for a, b in zip((x, y, z), hip, strict=True)]
@@ -328,7 +328,6 @@ class Pair:
         self.twin.doubt.begin()
         self.twin.tick(felt)
         first, doubts = self.difference(), self.twin.doubt.count
-        self.doubts += doubts > 0
         if first and self.explained(before, felt, doubts):
             self.turned += 1
         elif first:
@@ -385,15 +384,15 @@ class Pair:
         return self.far_off()
 
     def far_off(self):
-        """Return what lies farther apart than its bound, or nothing; keep the largest distances."""
+        """Return what lies farther apart than its bound, or nothing."""
         c, other = self.crawl, self.twin
         pairs = [
-            ("feet", self.feet(self.crawl.map.feet), other.feet),
+            ("feet", self.feet(c.map.feet), other.feet),
             ("shares", [value / 4096 for value in c.support.share_q12[:4]], other.share),
             ("pace", [c.stage.ahead * self.fine_m], [other.pace]),
             ("warp", [c.support.warp * self.fine_m], [other.warp]),
             ("body", self.pose(c.path.wanted)[:3], other.body.wanted[:3]),
-            ("tilt", self.pose(self.crawl.path.wanted)[3:], other.body.wanted[3:]),
+            ("tilt", self.pose(c.path.wanted)[3:], other.body.wanted[3:]),
         ]
         for side, prints in enumerate(other.prints):
             pairs.append(("prints", self.prints(side, len(prints)), prints))
@@ -414,7 +413,6 @@ class Pair:
             off = largest(core, exact) / (self.size if what not in ("shares", "tare", "tilt") else 1)
             if off > self.bounds[what]:
                 return f"{what}: core {core}, twin {exact}"
-            self.far[what] = max(self.far.get(what, 0.0), off)
         return ""
 
     def compare_plan(self):
@@ -426,7 +424,6 @@ class Pair:
             "plan pitch": largest(goal[3:], move.goal[3:]),
         }
         for what, value in off.items():
-            self.far[what] = max(self.far.get(what, 0.0), value)
             assert value <= self.bounds[what], f"{what}: core {goal}, twin {move.goal}"
         move.goal = goal
         exact = move.how_long()

@@ -1,4 +1,4 @@
-"""The robots the core is tested with, as its blocks of integers and, from those, as SI numbers.
+"""The robots the core is tested with, as its blocks of integers, and what the float crawl needs of them.
 
 The two robot files and what they stretch to: both knees, a leg of 1 m, unequal links, no hip offset.
 """
@@ -10,9 +10,9 @@ from types import SimpleNamespace
 
 from host.robot.file import find, read_toml
 from host.robot.model import Robot
-from host.robot.scale import BRAD_PER_RAD, core_params
+from host.robot.scale import core_params
 from shared.body.crawl_setup import CrawlSetup
-from shared.record import pack
+from tests.float_twin.si import leg_si
 
 KNEES = ("full-elbow", "full-knee", "elbow-knee", "knee-elbow")
 
@@ -62,60 +62,6 @@ def unlimited(params):
         leg.longest = math.isqrt(leg.hip_length**2 + (links[0] + links[1]) ** 2)
         leg.shortest = math.ceil(math.hypot(leg.hip_length, links[0] - links[1]))
     return params
-
-
-def leg_si(params, leg):
-    """Return what the float twin's leg needs, in m, as the integers say it; and the unit."""
-    unit_m = 2.0 ** -params.length_shift
-    base = params.legs[leg]
-    return SimpleNamespace(
-        unit_m=unit_m,
-        side_l1=base.hip_length * unit_m,
-        l1=abs(base.hip_length) * unit_m,
-        l2=base.thigh_length * unit_m,
-        l3=base.calf_length * unit_m,
-        knee=base.knee,
-        hip=[v * unit_m for v in base.hip],
-        rest=[v * unit_m for v in base.rest],
-        low=[rad(v) for v in base.lowest],
-        high=[rad(v) for v in base.highest],
-    )
-
-
-def rad(angle_brad):
-    """Return an angle in rad."""
-    return angle_brad / BRAD_PER_RAD
-
-
-def distance(a, b):
-    """Return how far two points are from each other."""
-    return math.dist(a, b)
-
-
-def planner_si(params):
-    """Return what the float planner needs, per tick where the block has it per tick."""
-    unit_m = 2.0 ** -params.length_shift
-    fine_m, yaw = unit_m / 256, 2.0**-18
-    rate = params.rate_hz
-    speeds = pack(params.speed_max) + pack(params.speed_slew)
-    poses = [v * unit_m if i % 6 < 3 else rad(v) for i, v in enumerate(pack(params.pose_max) + pack(params.pose_slew))]
-    of = params.gains
-    gains = of.kp_q12 / 4096, of.ki_q16 / 65536 * rate, of.kd_q10 / 1024 / rate
-    return SimpleNamespace(
-        unit_m=unit_m,
-        legs=[leg_si(params, leg) for leg in range(4)],
-        speed_unit=(fine_m, fine_m, yaw),
-        speed_max=(speeds[0] * fine_m, speeds[1] * fine_m, speeds[2] * yaw),
-        speed_slew=(speeds[3] * fine_m, speeds[4] * fine_m, speeds[5] * yaw),
-        pose_max=poses[:6],
-        pose_slew=poses[6:],
-        joint_step=rad(params.joint_step),
-        joint_top=[rad(v) for v in pack(params.joint_top)],
-        coupled=params.coupled,
-        sit_z=params.sit_z * unit_m,
-        stride=params.stride_max * unit_m,
-        gains=(*gains, rad(params.integral_max), rad(params.balance_max), rate),
-    )
 
 
 def crawl_si(params):

@@ -13,11 +13,10 @@ from shared.record import pack
 from shared.sense import attitude as a
 from tests.float_twin.attitude import of_block, turned_back
 
-from .bars import integers, repeatable
+from .bars import INT16, repeatable
 from .imu import ONE_G, angles_deg, apart_deg, block, counts, up
 
 LEVEL = counts(0, 0, 0, 0)
-INT16 = integers(-32768, 32767)
 
 
 def aligned(rate_hz=50, reading=LEVEL, **settings):

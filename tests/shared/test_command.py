@@ -1,6 +1,5 @@
 """shared/planner/command.py: speeds and poses move towards any command by at most their slew, within limits."""
 
-
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -11,11 +10,10 @@ from shared.planner import command as c
 from shared.record import pack, unpack
 from tests.float_twin.fixed import towards
 
-from .bars import integers, repeatable
+from .bars import WORD, integers, repeatable
 from .robots import block
 
 HALF = integers(-(1 << 29), (1 << 29) - 1)
-WORD = integers(-(1 << 30), (1 << 30) - 1)
 PARAMS = block("caramelo")
 GAIT = compile_gait(PAPER_TROT, PARAMS)
 

@@ -20,7 +20,6 @@ from shared.crawl.state import Crawl, Footholds, Map
 from shared.crawl.swing import brake_speed
 from shared.gait.table import MOVER_TABLE
 from shared.num.filters import fraction, quintic_q15
-from shared.planner import command as c
 from shared.planner import status as n
 from shared.planner.handover import REASON_COMMAND, REASON_EVEN, REASON_HELD
 from shared.record import pack, unpack
@@ -31,18 +30,6 @@ from sim2d.run import simulate
 from .bars import integers, repeatable
 from .robots import block
 from .walker import BACK, OFF, ON, Walker, phase
-
-
-def crawling(seconds=3.0, gait="crawl"):
-    """Return a walker that stands up and has commanded the crawl for some seconds."""
-    walker = Walker()
-    walker.mode(c.MODE_STAND)
-    walker.until(n.STANDING)
-    walker.gait(gait)
-    walker.speed(0.05)
-    walker.mode(c.MODE_WALK)
-    walker.ticks(round(seconds * walker.rate_hz))
-    return walker
 
 
 @repeatable(800)
@@ -73,18 +60,13 @@ def standing(x_lu, y_lu, heading_rad):
     crawl, sensing = Crawl(block("caramelo")), Sensing()
     dice = random.Random(4)
     for leg in range(4):
-        foot = [
-            (1 - leg // 2 * 2) * 15000 + dice.randint(-3000, 3000),
-            (leg % 2 * 2 - 1) * 15000,
-            dice.randint(-500, 500),
-        ]
-        for axis in range(3):
-            crawl.map.feet[leg][axis] = foot[axis] << 8
+        x = (1 - leg // 2 * 2) * 15000 + dice.randint(-3000, 3000)
+        foot = x, (leg % 2 * 2 - 1) * 15000, dice.randint(-500, 500)
+        unpack(crawl.map.feet[leg], [value << 8 for value in foot])
         dx, dy = foot[0] - x_lu, foot[1] - y_lu
         cosine, sine = math.cos(heading_rad), math.sin(heading_rad)
         seen = dx * cosine + dy * sine, dy * cosine - dx * sine, foot[2] - 24000
-        for axis in range(3):
-            sensing.level[leg][axis] = round(seen[axis])
+        unpack(sensing.level[leg], [round(value) for value in seen])
         crawl.support.stance[leg], crawl.support.share_q12[leg] = 1, 4096
     return crawl, sensing
 
@@ -154,21 +136,18 @@ def test_footholds_come_out_in_the_order_they_went_in():
 
 
 def test_the_crawl_begins_when_commanded_and_tells_why():
-    walker = crawling(1.0)
-    status = walker.planner.status
-    assert (phase(walker.planner), status.reason) == (ON, REASON_COMMAND)
+    walker = Walker()
+    walker.walk("crawl")
+    walker.ticks(50)
+    assert (phase(walker.planner), walker.planner.status.reason) == (ON, REASON_COMMAND)
     assert walker.state == n.WALKING
 
 
 @pytest.mark.parametrize("missing", ["joints", "tilt"])
 def test_without_joints_or_attitude_it_stands_and_says_so(missing):
     walker = Walker()
-    walker.mode(c.MODE_STAND)
-    walker.until(n.STANDING)
+    walker.walk("crawl")
     setattr(walker.sensed.valid, missing, 0)
-    walker.gait("crawl")
-    walker.speed(0.05)
-    walker.mode(c.MODE_WALK)
     assert walker.ticks(50) & n.BLIND
     assert (phase(walker.planner), walker.state) == (OFF, n.STANDING)
 
@@ -178,18 +157,16 @@ class Scripted:
 
     rate_hz = 50
 
-    def __init__(self, gait, **changes):
+    def __init__(self, gait, changes):
         self.driver = Driver(load_robot("caramelo"), planar=True)
         self.driver.set_command(mode="walk", gait=gait, vx_m_s=0.05)
-        self.changes = {float(at_s[1:]): wish for at_s, wish in changes.items()}
+        self.changes = {round(at_s * self.rate_hz): wish for at_s, wish in changes.items()}
         self.ticks, self.states, self.crawls, self.reasons = 0, [], [], []
         self.goals, self.largest_step_rad = None, 0.0
 
     def tick(self, sensed):
         self.ticks += 1
-        for at_s, wish in self.changes.items():
-            if self.ticks == round(at_s * self.rate_hz):
-                self.driver.set_command(**wish)
+        self.driver.set_command(**self.changes.get(self.ticks, {}))
         rates = (0.0, sensed.pitch_rate_rad_s, 0.0)
         self.driver.sense(sensed.joint_position_rad, sensed.roll_rad, sensed.pitch_rad, rates)
         goals = self.driver.step()
@@ -216,7 +193,7 @@ def walked(controller, ground, seconds, distance_m=None):
 
 
 def test_no_goal_jumps_into_the_crawl_through_it_and_out_of_it():
-    script = Scripted("paper-trot", _2={"gait": "crawl"}, _16={"gait": "trot"}, _22={"gait": "paper-trot"})
+    script = Scripted("paper-trot", {2: {"gait": "crawl"}, 16: {"gait": "trot"}, 22: {"gait": "paper-trot"}})
     recording = walked(script, terrain.flat(), 30.0)
     assert recording.outcome.kind != "fell"
     assert ON in script.crawls[200:450]
@@ -238,14 +215,14 @@ def test_on_level_ground_the_legs_land_in_order_without_a_second_try():
                 self.legs += (state.event.leg,)
             return goals
 
-    script = Landings("crawl")
+    script = Landings("crawl", {})
     walked(script, terrain.flat(), 20.0)
     assert len(script.legs) >= 7
     assert script.legs[:8] == (3, 1, 2, 0, 3, 1, 2, 0)[: len(script.legs)]
 
 
 def test_a_command_of_nothing_lets_it_rest_with_all_feet_down_and_then_sit():
-    script = Scripted("crawl", _5={"vx_m_s": 0.0}, _9={"mode": "sit"})
+    script = Scripted("crawl", {5: {"vx_m_s": 0.0}, 9: {"mode": "sit"}})
     walked(script, terrain.flat(), 14.0)
     assert script.crawls[100] == ON
     assert script.states[440] == n.STANDING
@@ -253,15 +230,15 @@ def test_a_command_of_nothing_lets_it_rest_with_all_feet_down_and_then_sit():
     assert (script.states[-1], script.crawls[-1]) == (n.SEATED, OFF)
 
 
-def over_a_high_step(seconds, **changes):
+def over_a_high_step(seconds, changes):
     """Walk at a step of 65 mm, higher than the trot takes."""
-    script = Scripted("trot", **changes)
+    script = Scripted("trot", changes)
     script.driver.set_command(vx_m_s=0.1)
     return script, walked(script, terrain.step(0.065, 0.3, None), seconds, 1.1)
 
 
 def test_the_trot_gives_way_to_the_crawl_where_it_is_held_up_and_goes_on_behind_it():
-    script, recording = over_a_high_step(150.0)
+    script, recording = over_a_high_step(150.0, {})
     assert recording.outcome.ok, recording.outcome.sentence
     backing = [tick for tick, crawl in enumerate(script.crawls) if crawl == BACK]
     assert script.reasons[backing[0]] == REASON_HELD
@@ -277,7 +254,7 @@ def test_the_trot_gives_way_to_the_crawl_where_it_is_held_up_and_goes_on_behind_
 
 @pytest.mark.parametrize("angle_deg", [8.0, -8.0])
 def test_on_a_slope_the_trot_takes_over_at_the_crawls_next_rest(angle_deg):
-    script = Scripted("crawl", _4={"gait": "trot"})
+    script = Scripted("crawl", {4: {"gait": "trot"}})
     recording = walked(script, slope_all_along(angle_deg), 58.0, 0.6)
     assert recording.outcome.ok, recording.outcome.sentence
     assert ON in script.crawls[:200]
@@ -285,9 +262,9 @@ def test_on_a_slope_the_trot_takes_over_at_the_crawls_next_rest(angle_deg):
 
 
 def test_backing_off_ends_with_the_command_to_walk_on():
-    held_up, _ = over_a_high_step(30.0)
+    held_up, _ = over_a_high_step(30.0, {})
     second = (held_up.crawls.index(BACK) + 1) // held_up.rate_hz + 1  # a tick after it began, or later
-    script, _ = over_a_high_step(second + 6.0, **{f"_{second}": {"mode": "stand"}})
+    script, _ = over_a_high_step(second + 6.0, {second: {"mode": "stand"}})
     assert BACK in script.crawls
     assert script.crawls[-1] == OFF
     assert script.states[-1] == n.STANDING

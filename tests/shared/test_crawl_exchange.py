@@ -16,12 +16,12 @@ from shared.planner.command import Command
 from shared.record import pack, unpack
 from tests.float_twin import crawl_exchange as twin
 from tests.float_twin.doubt import Doubt
+from tests.float_twin.si import planner_si, scaled
 
 from .bars import repeatable
 from .robots import block
 from .walker import BACK, NAMES, OFF, ON, Walker, phase
 
-YAW_RAD = 2.0**-18
 PATIENCE_S = 4
 PATIENCE = 7  # swings in a row of both front or both hind feet
 HELD = (0, 50 * PATIENCE_S, 50 * PATIENCE_S + 1, 4000)  # ticks
@@ -29,27 +29,13 @@ ROWS = ([0, 0],) * 3 + ([PATIENCE - 1, PATIENCE - 1], [PATIENCE, 0], [0, PATIENC
 MOVE, CHOOSE, TICK = planner.move, planner.choose_mover, planner.tick_mover
 
 
-def robot_si(params):
-    """Return what the twin needs of a robot."""
-    unit_m = 2.0 ** -params.length_shift
-    return SimpleNamespace(
-        unit_m=unit_m,
-        leg_m=params.leg_length * unit_m,
-        vx_max=params.speed_max.vx * unit_m / 256,
-        wz_max=params.speed_max.wz * YAW_RAD,
-        rate_hz=params.rate_hz,
-        sent_ticks=params.sent_ticks,
-        gaits=len(NAMES),
-    )
-
-
 class Pair:
     """A planner, and the twin of its decisions that is told what the planner knows."""
 
     def __init__(self, rate_hz=50, walker=None):
         self.walker = walker or Walker(rate_hz=rate_hz)
-        self.robot = robot_si(self.walker.params)
-        self.twin = twin.Exchange(self.robot, Doubt())
+        self.robot = planner_si(self.walker.params)
+        self.twin = twin.Exchange(self.robot, len(NAMES), Doubt())
         self.seen = set()
 
     @property
@@ -58,8 +44,7 @@ class Pair:
 
     def command(self, block: Command):
         """Return a command for the twin."""
-        fine_m = self.robot.unit_m / 256
-        speed = [value * unit for value, unit in zip(pack(block.speed), (fine_m, fine_m, YAW_RAD), strict=True)]
+        speed = scaled(block.speed, self.robot.speed_unit)
         return SimpleNamespace(walk=block.mode == c.MODE_WALK, gait=block.gait, speed=speed)
 
     def known(self, sensed):
@@ -278,7 +263,7 @@ def test_the_crawl_ends_for_the_same_reason_at_any_point(drawn, speed, command, 
 def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
     """Odometry that stutters, a trot that stands and walks again: the same speed, and the end in the same tick."""
     dice, params = random.Random(seed), block("caramelo", rate_hz)
-    robot = robot_si(params)
+    robot = planner_si(params)
     doubt = Doubt()
     back, state, told = twin.Retreat(robot, doubt), retreat.Retreat(), Command()
     retreat.retreat_start(state)

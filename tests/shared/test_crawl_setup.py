@@ -10,8 +10,10 @@ from host.robot.scale import brad, core_params
 from shared.body.crawl_setup import CrawlSetup
 from shared.record import pack
 from tests.float_twin import crawl_reach as twin
+from tests.float_twin.reach import leg_lengths
+from tests.float_twin.si import leg_si
 
-from .robots import KNEES, NAMES, block, crawl_si, leg_si, robot
+from .robots import KNEES, NAMES, block, crawl_si, robot
 
 RATES = (20, 50, 333, 500)
 # What is tuned, by the core's unit; the rest follows from the shape
@@ -81,7 +83,7 @@ def test_legs_reach_no_farther_than_the_calves_bend(name):
     unit_m = 2.0 ** -params.length_shift
     for leg in range(4):
         shape, limb = leg_si(params, leg), params.legs[leg]
-        far, near = [math.hypot(length, shape.l1) for length in twin.leg_lengths(shape)]
+        far, near = [math.hypot(length, shape.l1) for length in leg_lengths(shape)]
         far = min(far, math.hypot(shape.l1, shape.l2 + shape.l3))
         near = max(near, math.hypot(shape.l1, shape.l2 - shape.l3))
         assert limb.longest * unit_m == pytest.approx(far, abs=6 * unit_m)

@@ -19,15 +19,16 @@ from shared.crawl import swing as swing_leg
 from shared.crawl.state import PAST_SIZE, SHIFT, Crawl
 from shared.planner import retreat
 from shared.planner.command import Command
-from shared.record import pack, unpack
+from shared.record import copy, pack, unpack
 from shared.sense.legs import Sensing
 from tests.float_twin import crawl as twin
 from tests.float_twin import crawl_carry as carry
 from tests.float_twin import crawl_plan as plan
 from tests.float_twin import crawl_swing as swing
+from tests.float_twin.si import leg_si, rad
 
 from .bars import integers, repeatable
-from .robots import block, leg_si, rad
+from .robots import block
 
 RATE = 50
 PARAMS, PLANAR = block("caramelo", RATE), block("caramelo", RATE)
@@ -43,9 +44,9 @@ def crawl():
     return Crawl(PARAMS)
 
 
-def setting(crawl, which):
+def setting(which):
     """Return a setting in lu as m."""
-    return getattr(crawl.params.crawl, which) * UNIT_M
+    return getattr(PARAMS.crawl, which) * UNIT_M
 
 
 def fine(metres):
@@ -60,22 +61,24 @@ def standing(dice, slope=0.0, uneven=0.02):
     """Return four feet near their rest stance, m, on a slope along x and uneven ground."""
     feet = []
     for leg in LEGS:
-        x = leg.hip[0] + leg.rest[0] - leg.hip[0] + dice.uniform(-0.04, 0.04)
+        x = leg.rest[0] + dice.uniform(-0.04, 0.04)
         feet.append([x, leg.rest[1] + dice.uniform(-0.02, 0.02), slope * x + dice.uniform(-uneven, uneven)])
     return feet
 
 
 def put(crawl, feet, body_m=(0.0, 0.0, 0.18), angles=(0.0, 0.0, 0.0)):
     """Write feet, body and an even load into the crawl's state."""
-    c = crawl
     for leg, foot in enumerate(feet):
-        c.support.stance[leg], c.support.share_q12[leg] = 1, 4096
-        for axis in range(3):
-            c.map.feet[leg][axis] = fine(foot[axis])
-    for axis in range(3):
-        for pose in (c.map.body_pose, c.path.wanted, c.path.commanded):
-            pose[axis] = fine(body_m[axis])
-            pose[3 + axis] = bf(angles[axis])
+        crawl.support.stance[leg], crawl.support.share_q12[leg] = 1, 4096
+        unpack(crawl.map.feet[leg], [fine(value) for value in foot])
+    for pose in (crawl.map.body_pose, crawl.path.wanted, crawl.path.commanded):
+        unpack(pose, [fine(value) for value in body_m] + [bf(angle) for angle in angles])
+
+
+def see(sensing, level_m):
+    """Write where the feet are seen, level with the body."""
+    for place, foot in zip(sensing.level, level_m, strict=True):
+        unpack(place, [round(value / UNIT_M) for value in foot])
 
 
 # --- map
@@ -90,10 +93,8 @@ def test_heading_and_place_are_the_best_fit_of_disturbed_feet(crawl, seed):
     put(crawl, feet, (0.0, 0.0, 0.17))
     shares = [dice.choice((1.0, 1.0, 0.5)) for _ in range(4)]
     sensing = Sensing()
-    for leg in range(4):
-        crawl.support.share_q12[leg] = round(4096 * shares[leg])
-        for axis in range(3):
-            sensing.level[leg][axis] = round(seen[leg][axis] / UNIT_M)
+    see(sensing, seen)
+    crawl.support.share_q12[:4] = [round(4096 * share) for share in shares]
     crawl_map.fit_body(crawl, sensing)
     best = twin.heading(seen, feet, shares)
     assert abs(crawl.map.body_pose.yaw / (1 << 24) * 2 * math.pi - best) < 0.5e-3
@@ -118,15 +119,13 @@ def test_a_round_foot_rolls_on(turned_rad, yaw_rad):
 
 def test_only_a_foot_that_carries_is_followed_when_it_slips(crawl):
     put(crawl, standing(random.Random(2)))
-    c = crawl
-    c.support.force_q12[:4] = array("i", [1000, 0, 1000, 1000])
-    for leg in range(4):
-        for axis in range(3):
-            c.map.seen[leg][axis] = c.map.feet[leg][axis]
-        c.map.seen[leg].z += fine(0.02)
-    before = [c.map.feet[leg].z for leg in range(4)]
+    crawl.support.force_q12[:4] = [1000, 0, 1000, 1000]
+    before = [foot.z for foot in crawl.map.feet]
+    for foot, seen in zip(crawl.map.feet, crawl.map.seen, strict=True):
+        copy(foot, seen)
+        seen.z += fine(0.02)
     crawl_map.follow_slips(crawl)
-    moved = [(c.map.feet[leg].z - before[leg]) * FINE_M for leg in range(4)]
+    moved = [(foot.z - z) * FINE_M for foot, z in zip(crawl.map.feet, before, strict=True)]
     assert moved[1] == 0
     assert all(moved[leg] == pytest.approx(0.02 / 0.2 / RATE, rel=0.06) for leg in (0, 2, 3))
 
@@ -145,8 +144,8 @@ def test_even_ground_is_what_lies_on_one_slope(crawl, seed):
     count = crawl_even.note_landing(crawl, leg)
     exact, found = twin.uneven(feet, leg, came_from), crawl_even.off_even(crawl, leg) * UNIT_M
     assert abs(found - exact) < 0.15 * MM
-    if abs(exact - setting(crawl, "drop_depth") / 3) > 0.2 * MM:
-        assert count == (6 if exact < setting(crawl, "drop_depth") / 3 else 0)
+    if abs(exact - setting("drop_depth") / 3) > 0.2 * MM:
+        assert count == (6 if exact < setting("drop_depth") / 3 else 0)
 
 
 def test_astride_an_edge_is_not_even_although_four_feet_lie_on_a_slope(crawl):
@@ -164,7 +163,7 @@ def test_a_front_foot_expects_its_ground_on_a_slope_it_is_sure_of(crawl, slope):
     """4 mm over the step are level: what sag and odometry err."""
     feet = standing(random.Random(6), slope, 0.0)
     put(crawl, feet)
-    rise = slope * (swing.front_target(feet[0][0], feet[1][0], setting(crawl, "stride")) - feet[0][0])
+    rise = slope * (swing.front_target(feet[0][0], feet[1][0], setting("stride")) - feet[0][0])
     for landings, exact in ((2, 0.0), (3, rise if abs(rise) > 4 * MM else 0.0)):
         crawl.even.even_steps = landings
         footholds.aim(crawl, 0)
@@ -180,7 +179,7 @@ def test_the_body_pitches_with_the_slope_of_the_feet(crawl, seed):
     feet = standing(dice, dice.uniform(-0.5, 0.5))
     put(crawl, feet)
     found = rad(crawl_pose.feet_pitch(crawl.params, crawl.map))
-    assert abs(found - twin.slope_pitch(feet, setting(crawl, "half_length") * 2 / 3)) < 0.4e-3
+    assert abs(found - twin.slope_pitch(feet, setting("half_length") * 2 / 3)) < 0.4e-3
 
 
 @pytest.mark.parametrize("seed", range(40))
@@ -191,18 +190,18 @@ def test_the_body_goes_over_the_point_as_high_as_its_legs_reach_and_takes_its_ti
     wanted = [dice.uniform(-0.04, 0.04), dice.uniform(-0.03, 0.03)]
     crawl.point.x, crawl.point.y = (round(value / UNIT_M) for value in wanted)
     ticks = crawl_pose.plan_body(crawl, -1)
-    to = [crawl.path.to_pose[axis] for axis in range(6)]
-    pitch = twin.slope_pitch(feet, setting(crawl, "half_length") * 2 / 3)
-    com = PARAMS.com_x * UNIT_M, setting(crawl, "com_z")
+    to = pack(crawl.path.to_pose)
+    pitch = twin.slope_pitch(feet, setting("half_length") * 2 / 3)
+    com = PARAMS.com_x * UNIT_M, setting("com_z")
     place = wanted[0] - twin.mass_ahead(com, pitch), wanted[1]
     assert math.dist((to[0] * FINE_M, to[1] * FINE_M), place) < 0.1 * MM
     sides = [leg.side_l1 for leg in LEGS]
-    height = twin.body_height(feet, [leg.hip for leg in LEGS], sides, place, pitch, setting(crawl, "height"),
-                              setting(crawl, "reach"))
+    height = twin.body_height(feet, [leg.hip for leg in LEGS], sides, place, pitch, setting("height"),
+                              setting("reach"))
     found = to[2] * FINE_M - twin.middle(feet)[2]
     assert -2.5 * MM < found - height < 0.3 * MM  # the core stops a little lower: it lowers by what the legs miss
-    way = math.hypot(*(to[axis] * FINE_M - (0.0, 0.0)[axis] for axis in range(2)))
-    seconds = twin.move_seconds(way, to[2] * FINE_M - 0.18, pitch, setting(crawl, "half_length"), 0.6, 0.06, 0.25)
+    way = math.hypot(to[0] * FINE_M, to[1] * FINE_M)
+    seconds = twin.move_seconds(way, to[2] * FINE_M - 0.18, pitch, setting("half_length"), 0.6, 0.06, 0.25)
     assert abs(ticks / RATE - seconds) <= 1.6 / RATE + 0.02 * seconds
 
 
@@ -214,22 +213,22 @@ def test_the_mass_goes_to_the_nearest_point_inside_the_support(seed, leg, wanted
     put(crawl, feet)
     wanted = round(wanted_m / UNIT_M)
     crawl_pose.mass_target(crawl, leg, wanted)
-    exact = plan.mass_target(feet, leg, wanted * UNIT_M, setting(crawl, "margin"), planar)
+    exact = plan.mass_target(feet, leg, wanted * UNIT_M, setting("margin"), planar)
     assert math.dist([value * UNIT_M for value in pack(crawl.point)], exact) < 0.2 * MM
 
 
 def test_a_bodys_move_is_the_quintic(crawl):
     put(crawl, standing(random.Random(3)))
-    c = crawl
+    path = crawl.path
     for axis in range(6):
-        c.path.from_pose[axis], c.path.to_pose[axis] = 1000 * axis, 200000 - 90000 * axis
-    c.path.move_tick, c.path.move_ticks = 0, 40
+        path.from_pose[axis], path.to_pose[axis] = 1000 * axis, 200000 - 90000 * axis
+    path.move_tick, path.move_ticks = 0, 40
     for tick in range(1, 41):
-        assert crawl_pose.move_body(c.path) == 1
+        assert crawl_pose.move_body(path) == 1
         for axis in range(6):
             exact = 1000 * axis + twin.quintic(tick / 40) * (200000 - 91000 * axis)
-            assert abs(c.path.wanted[axis] - exact) <= 0.0025 * 350000
-    assert crawl_pose.move_body(c.path) == 0
+            assert abs(path.wanted[axis] - exact) <= 0.0025 * 350000
+    assert crawl_pose.move_body(path) == 0
 
 
 def test_the_pose_loop_follows_its_twin_for_five_seconds(crawl):
@@ -276,21 +275,20 @@ def test_a_front_foot_aims_half_a_stride_beyond_the_other(crawl, seed):
     feet, leg = standing(dice, uneven=0.05), seed % 2
     put(crawl, feet)
     footholds.aim(crawl, leg)
-    own, other, stride = feet[leg], feet[1 - leg], setting(crawl, "stride")
+    own, other, stride = feet[leg], feet[1 - leg], setting("stride")
     target = swing.front_target(own[0], other[0], stride)
     assert abs(crawl.swing.target.x * FINE_M - target) < 0.05 * MM
     assert crawl.swing.ground == crawl.map.feet[leg].z
-    hit = setting(crawl, "riser_lag")
+    hit = setting("riser_lag")
     if abs(other[0] - target - hit * 5 / 3) > 0.1 * MM:
-        top = swing.front_top(own[2], other[2], other[0], target, setting(crawl, "front_lift"), hit)
+        top = swing.front_top(own[2], other[2], other[0], target, setting("front_lift"), hit)
         assert abs(crawl.swing.top * FINE_M - top) < 0.05 * MM
 
 
 @repeatable(40)
 @given(st.floats(0.02, 0.07))
 def test_a_foot_goes_up_as_its_twin_and_stops_at_the_top(lift_m):
-    crawl = Crawl(PARAMS)
-    c, k = crawl, crawl.params.crawl
+    c, k = Crawl(PARAMS), PARAMS.crawl
     c.swing.top, c.swing.leg_length = fine(lift_m), 32767
     units = FINE_M * RATE
     exact = swing.rise(0.0, lift_m, k.lift_speed * units, k.lift_acceleration * units * RATE,
@@ -306,8 +304,7 @@ def test_a_foot_goes_up_as_its_twin_and_stops_at_the_top(lift_m):
 @repeatable(100)
 @given(st.floats(0.0, 0.08))
 def test_a_foot_comes_down_so_that_it_can_slow_down_over_known_ground(above_m):
-    crawl = Crawl(PARAMS)
-    c, k = crawl, crawl.params.crawl
+    c, k = Crawl(PARAMS), PARAMS.crawl
     c.swing.known = 1
     c.swing.place.z = fine(above_m) + (k.near_foothold << 8)
     found = swing_leg.lower_speed(c.params, c.swing) * FINE_M * RATE
@@ -321,24 +318,22 @@ def test_a_foot_comes_down_so_that_it_can_slow_down_over_known_ground(above_m):
 @repeatable(100)
 @given(st.floats(-0.2, 0.2), st.floats(-0.2, 0.2), st.integers(0, 3))
 def test_a_corner_of_the_body_is_pushed_up(nose_up, left_up, leg):
-    crawl = Crawl(PARAMS)
-    c = crawl
+    c = Crawl(PARAMS)
     c.map.body_pose.pitch, c.map.body_pose.roll = bf(-nose_up), bf(left_up)
-    exact = swing.corner_lift(nose_up, left_up, setting(crawl, "half_length"), setting(crawl, "half_width"), leg)
+    exact = swing.corner_lift(nose_up, left_up, setting("half_length"), setting("half_width"), leg)
     assert abs(contact.corner_lift(c, leg) * UNIT_M - exact) < 0.1 * MM
 
 
 @repeatable(100)
 @given(integers(0, 3), st.floats(0.0, 0.06), st.floats(0.03, 0.1))
 def test_a_riser_is_felt_by_how_late_the_foot_is(leg, behind_m, way_m):
-    crawl = Crawl(PARAMS)
-    c, k = crawl, crawl.params.crawl
+    c, k = Crawl(PARAMS), PARAMS.crawl
     ticks = 24
     c.stage.stage_tick, c.swing.way_ticks, c.swing.target.x, c.swing.departure.x = 20, ticks, fine(way_m), 0
     for place in range(PAST_SIZE):
         c.contact.past[place] = fine(behind_m)
-    late = swing.held_up(behind_m, setting(crawl, "riser_lag"), way_m, (ticks + 1) / RATE, k.swing_lag_ticks / RATE)
-    margin = behind_m - setting(crawl, "riser_lag") - way_m / ((ticks + 1) / RATE) * k.swing_lag_ticks / RATE
+    late = swing.held_up(behind_m, setting("riser_lag"), way_m, (ticks + 1) / RATE, k.swing_lag_ticks / RATE)
+    margin = behind_m - setting("riser_lag") - way_m / ((ticks + 1) / RATE) * k.swing_lag_ticks / RATE
     if abs(margin) > 0.05 * MM:
         assert bool(contact.feel_riser(c, c.map.seen[leg].x)) == late
 
@@ -346,14 +341,10 @@ def test_a_riser_is_felt_by_how_late_the_foot_is(leg, behind_m, way_m):
 @pytest.mark.parametrize("tare", [-569, 0, 569])  # as far as it goes, and none
 def test_ground_is_felt_after_three_loaded_ticks_of_which_one_is_above_4_newton(crawl, tare):
     """In parts of Caramelo's 21.6 N: 3 N are 569, 4 N are 758. What the hanging leg reads does not count."""
-    c = crawl
 
     def felt(*loads):
-        c.contact.tare_q12, c.contact.load_ticks, c.contact.peak = tare, 0, 0
-        answers = []
-        for load in loads:
-            answers.append(contact.feel_ground(c.params, c.contact, tare + load))
-        return answers
+        crawl.contact.tare_q12, crawl.contact.load_ticks, crawl.contact.peak = tare, 0, 0
+        return [contact.feel_ground(crawl.params, crawl.contact, tare + load) for load in loads]
 
     assert felt(600, 800, 600) == [0, 0, 1]
     assert felt(600, 700, 600, 700) == [0, 0, 0, 0]  # never above 4 N
@@ -363,8 +354,7 @@ def test_ground_is_felt_after_three_loaded_ticks_of_which_one_is_above_4_newton(
 @repeatable(100)
 @given(st.lists(st.integers(-4000, 4000), min_size=1, max_size=40), st.integers(1, 32768))
 def test_the_tare_follows_but_never_hides_a_contact(forces, gain_q15):
-    crawl = Crawl(PARAMS)
-    c, exact, most = crawl, 0.0, crawl.params.crawl.touch_q12
+    c, exact, most = Crawl(PARAMS), 0.0, PARAMS.crawl.touch_q12
     for force in forces:
         exact = max(-most, min(most, exact + gain_q15 / 32768 * (force - exact)))
         found = contact.follow_tare(c.params, c.contact, force, gain_q15)
@@ -375,8 +365,7 @@ def test_the_tare_follows_but_never_hides_a_contact(forces, gain_q15):
 
 def test_hind_feet_do_not_know_the_ground_that_no_front_foot_has_stood_on():
     """Two footholds of the right side and three of the left are guessed at the start; what follows is known."""
-    crawl = Crawl(PARAMS)
-    c = crawl
+    c = Crawl(PARAMS)
     footholds.footholds_start(c)
     for side, guessed in ((0, 2), (1, 3)):
         known = []
@@ -411,8 +400,8 @@ def test_backing_off_ends_after_a_third_of_a_leg_or_six_seconds_and_half_a_secon
 @given(st.integers(0, 1 << 20), st.sampled_from((20, 50, 200)))
 def test_the_weight_is_learnt_from_the_feet_that_stand(seed, rate_hz):
     """Within what rounding leaves of a smoothed force: half a unit over its gain."""
-    crawl, dice = Crawl(block("caramelo", rate_hz)), random.Random(seed)
-    c, k, sensing = crawl, crawl.params.crawl, Sensing()
+    c, dice, sensing = Crawl(block("caramelo", rate_hz)), random.Random(seed), Sensing()
+    k = c.params.crawl
     c.support.weight_q20 = 4096 << 8
     exact = carry.Carried(1.0, k.force_q15 / 32768, k.weight_q15 / 32768)
     for tick in range(400):
@@ -434,12 +423,10 @@ def test_a_crawl_begins_under_the_body_on_its_feet(crawl, seed):
     tilt, felt = [dice.uniform(-0.1, 0.1) for _ in range(2)], [dice.uniform(0.0, 0.8) for _ in range(4)]
     sensing, joints = Sensing(), array("i")
     for foot, shape in zip(level, LEGS, strict=True):
-        angles = twin.leg_joints(foot, [0.0] * 6, shape.hip, shape.side_l1, shape.l2, shape.l3, shape.knee)
+        angles = twin.leg_joints(foot, [0.0] * 6, shape)
         joints.extend(round((angle + dice.uniform(-0.05, 0.05)) / (2 * math.pi) * 65536) for angle in angles)
-    for leg in range(4):
-        sensing.force_q12[leg] = round(felt[leg] * 4096)
-        for axis in range(3):
-            sensing.level[leg][axis] = round(level[leg][axis] / UNIT_M)
+    see(sensing, level)
+    sensing.force_q12[:] = [round(force * 4096) for force in felt]
     roll, pitch = (round(angle / (2 * math.pi) * 65536) for angle in tilt)
     core_crawl.crawl_start(crawl, sensing, joints, joints, roll, pitch)
     c = crawl
@@ -474,7 +461,7 @@ def test_the_planned_loads_are_the_minimum_norm_and_their_margin(crawl, seed):
     for leg, share in enumerate(shares):
         c.support.stance[leg], c.support.share_q12[leg] = int(share > 0), round(share * 4096)
     margin = crawl_goals.plan_loads(c) * UNIT_M
-    com = PARAMS.com_x * UNIT_M, setting(crawl, "com_z")
+    com = PARAMS.com_x * UNIT_M, setting("com_z")
     loads, exact = carry.planned_loads(feet, shares, pose, com, weight)
     assert abs(margin - exact) < 0.15 * MM
     if min(loads) >= 0:
@@ -528,6 +515,6 @@ def test_a_leg_puts_its_foot_where_the_map_has_it(crawl, seed):
     for leg, shape in enumerate(LEGS):
         if crawl_goals.leg_goal(crawl, leg, 0):
             continue  # out of reach: another function's matter
-        exact = twin.leg_joints(feet[leg], [*place, *angles], shape.hip, shape.side_l1, shape.l2, shape.l3, shape.knee)
+        exact = twin.leg_joints(feet[leg], [*place, *angles], shape)
         found = [rad(crawl.joints[leg * 3 + joint]) for joint in range(3)]
         assert max(abs(a - b) for a, b in zip(found, exact, strict=True)) < 2e-3

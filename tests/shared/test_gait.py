@@ -11,10 +11,11 @@ from shared.gait import table as g
 from shared.planner import status as n
 from shared.record import pack, unpack
 from tests.float_twin.gait import Gait
+from tests.float_twin.si import leg_si
 from tests.float_twin.swing import lift
 
 from .bars import integers, repeatable
-from .robots import block, leg_si
+from .robots import block
 from .walker import NAMES, TABLE_GAITS, TABLES, Walker
 
 RATES = (20, 50, 100, 333, 500)

@@ -13,9 +13,10 @@ from shared.sense import odometry as o
 from shared.sense.legs import Sensing
 from shared.sense.sensed import Sensed
 from tests.float_twin.odometry import Odometry as Twin
+from tests.float_twin.si import rad
 
 from .bars import repeatable
-from .robots import NAMES, block, rad
+from .robots import NAMES, block
 
 FAR, SUM = 0x3FFF0000, 0x3F000000  # where the place stays, and what adds up beside it
 FEET_M = ((0.15, -0.07), (0.15, 0.07), (-0.15, -0.07), (-0.15, 0.07))

@@ -13,13 +13,13 @@ from shared.num import pid
 from shared.record import pack, unpack
 from tests.float_twin.balance import ERROR_MAX_RAD, Balance
 from tests.float_twin.pid import Pid
+from tests.float_twin.si import planner_si, rad
 
-from .bars import integers, repeatable
-from .robots import block, planner_si, rad
+from .bars import INT16, integers, repeatable
+from .robots import block
 
 GAIN = integers(0, 32767)
 LIMIT = integers(0, 16383)
-ANGLE = integers(-32768, 32767)
 
 
 def controller(kp_q12, ki_q16, kd_q10, integral_max, output_max):
@@ -30,7 +30,7 @@ def controller(kp_q12, ki_q16, kd_q10, integral_max, output_max):
 
 
 @repeatable(400)
-@given(st.tuples(GAIN, GAIN, GAIN, LIMIT, LIMIT), st.lists(st.tuples(ANGLE, ANGLE), min_size=1, max_size=30))
+@given(st.tuples(GAIN, GAIN, GAIN, LIMIT, LIMIT), st.lists(st.tuples(INT16, INT16), min_size=1, max_size=30))
 def test_any_controller_is_the_float_one(gains, inputs):
     made, other = controller(*gains)
     for wanted, measured in inputs:
@@ -83,9 +83,9 @@ def test_reset_forgets():
     assert pid.pid_step(made, 700, 20) == first
 
 
-def balance_pair(name="caramelo"):
-    """Return the balance of a robot and its float twin."""
-    params = block(name)
+def balance_pair():
+    """Return Caramelo's balance and its float twin."""
+    params = block("caramelo")
     made = b.Balance()
     b.balance_setup(params, made)
     return made, Balance(planner_si(params).gains)
@@ -98,7 +98,7 @@ def pose(roll, pitch):
 
 
 @repeatable(300)
-@given(st.lists(st.tuples(ANGLE, ANGLE, ANGLE, ANGLE), min_size=1, max_size=30))
+@given(st.lists(st.tuples(INT16, INT16, INT16, INT16), min_size=1, max_size=30))
 def test_the_limiter_holds_the_sum_whatever_is_measured(inputs):
     made, _ = balance_pair()
     limit = made.roll.output_max

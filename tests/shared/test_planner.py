@@ -17,10 +17,9 @@ from shared.record import pack, unpack
 from shared.sense.sensed import Sensed
 from tests.float_twin.gait import Gait
 
-from .bars import any_word, integers, repeatable
+from .bars import WORD, any_word, repeatable
 from .walker import NAMES, TABLES, Walker
 
-WORD = integers(-(1 << 30), (1 << 30) - 1)
 # Walked by footholds in planner.steps; the trot is held to its own: tests/shared/trot/test_mover.py.
 NO_CRAWL = [place for place, name in enumerate(NAMES) if name not in ("crawl", "trot")]
 STEP_BITS = 4  # rounding of a slow move, see shared/planner/posture.py
@@ -38,27 +37,22 @@ def in_state(state, rate_hz=50):
     walker = Walker("caramelo", rate_hz)
     if state == n.LIMP:
         walker.tick()
-        return walker
-    if state == n.RISING:
+    elif state == n.RISING:
         walker.mode(c.MODE_STAND)
         walker.ticks(10)
-        return walker
-    if state == n.FOLDING:
+    elif state == n.FOLDING:
         walker.mode(c.MODE_FOLD)
         walker.ticks(40)
-        assert walker.state == state
-        return walker
-    walker.stand()
-    if state == n.WALKING:
-        walker.gait("even-trot")
-        walker.speed(0.05, 0.01, 0.1)
-        walker.mode(c.MODE_WALK)
+    elif state == n.WALKING:
+        walker.walk("even-trot", 0.05, 0.01, 0.1)
         walker.ticks(79)
         assert walker.swinging()
-    elif state in (n.SITTING, n.SEATED):
-        walker.mode(c.MODE_SIT)
-        walker.until(n.SITTING)
-        walker.ticks(5)
+    else:
+        walker.stand()
+        if state != n.STANDING:
+            walker.mode(c.MODE_SIT)
+            walker.until(n.SITTING)
+            walker.ticks(5)
         if state == n.SEATED:
             walker.until(n.SEATED)
     assert walker.state == state
@@ -125,6 +119,17 @@ def test_nobody_sits_down_in_mid_stride():
     walker.until(n.SEATED)
 
 
+def slowly(walker, state):
+    """Tick until a state is reached, no joint faster than a slow move's; return the joints."""
+    last, slow = list(walker.planner.joints), walker.params.joint_step + STEP_BITS
+    while walker.state != state:
+        walker.tick()
+        joints = list(walker.planner.joints)
+        assert max(abs(a - b) for a, b in zip(last, joints, strict=True)) <= slow
+        last = joints
+    return last
+
+
 def test_standing_up_starts_from_the_measured_pose_and_is_slow():
     walker = Walker("caramelo")
     low, high = limits_of(walker.params)
@@ -135,28 +140,18 @@ def test_standing_up_starts_from_the_measured_pose_and_is_slow():
         walker.planner.tick(walker.command, walker.sensed)
     assert list(walker.planner.joints) == lying
     walker.mode(c.MODE_STAND)
-    last, slow = lying, walker.params.joint_step + STEP_BITS
-    while walker.state != n.STANDING:
-        walker.tick()
-        joints = list(walker.planner.joints)
-        assert max(abs(a - b) for a, b in zip(last, joints, strict=True)) <= slow
-        last = joints
+    standing = slowly(walker, n.STANDING)
     walker.tick()
-    assert list(walker.planner.joints) == last
+    assert list(walker.planner.joints) == standing
 
 
 def test_sitting_down_is_slow_and_ends_at_the_seat():
     walker = in_state(n.STANDING)
     walker.mode(c.MODE_SIT)
-    last, slow = list(walker.planner.joints), walker.params.joint_step + STEP_BITS
-    while walker.state != n.SEATED:
-        walker.tick()
-        joints = list(walker.planner.joints)
-        assert max(abs(a - b) for a, b in zip(last, joints, strict=True)) <= slow
-        last = joints
+    seated = slowly(walker, n.SEATED)
     assert [foot[2] for foot in walker.feet_m()] == pytest.approx([walker.params.sit_z * walker.unit_m] * 4)
     walker.ticks(50)
-    assert list(walker.planner.joints) == last
+    assert list(walker.planner.joints) == seated
 
 
 def test_a_limp_robot_with_unknown_joints_stays_limp():
@@ -402,10 +397,8 @@ def test_an_unreachable_stance_is_flagged_and_held_at_the_limits():
 
 def test_commands_are_limited_to_the_longest_stride():
     """Faster than the gait's stance allows is not walked; what is walked keeps the stride."""
-    walker = in_state(n.STANDING)
-    walker.gait("paper-trot")
-    walker.speed(5.0)
-    walker.mode(c.MODE_WALK)
+    walker = Walker()
+    walker.walk("paper-trot", 5.0)
     walker.ticks(600)
     assert walker.planner.speed.vx == walker.planner.gaits[0].speed_max.vx
     xs = []
@@ -418,7 +411,7 @@ def test_commands_are_limited_to_the_longest_stride():
 @pytest.mark.parametrize("gait", ["even-trot", "trot"])
 def test_who_stands_has_no_leg_in_the_air(gait):
     """Also in the first tick after a walk, whose last feet have just come down."""
-    walker = Walker("caramelo")
+    walker = Walker()
     walker.walk(gait)
     walker.ticks(100)
     walker.mode(c.MODE_STAND)

@@ -8,11 +8,11 @@ import pytest
 
 from shared.planner import command as c
 from shared.planner import status as n
-from shared.record import pack, unpack
+from shared.record import unpack
 from tests.float_twin import planner as twin
 from tests.float_twin.gait import Gait
+from tests.float_twin.si import planner_si, rad, scaled
 
-from .robots import planner_si, rad
 from .walker import NAMES, TABLE_GAITS, TABLES, Walker
 
 
@@ -28,17 +28,14 @@ class Pair:
 
     def command_si(self):
         """Return the command in SI, as the float planner takes it."""
-        block, unit = self.walker.command, self.robot.unit_m
-        speed = [v * s for v, s in zip(pack(block.speed), (unit / 256, unit / 256, 2**-18), strict=True)]
-        pose = [v * unit if i < 3 else rad(v) for i, v in enumerate(pack(block.pose))]
-        height = block.height * unit
+        block, robot = self.walker.command, self.robot
         return SimpleNamespace(
             mode=block.mode,
             gait=block.gait,
-            speed=speed,
-            pose=pose,
+            speed=scaled(block.speed, robot.speed_unit),
+            pose=scaled(block.pose, robot.pose_unit),
             balance=block.balance,
-            height_m=height,
+            height_m=block.height * robot.unit_m,
         )
 
     def sensed_si(self):

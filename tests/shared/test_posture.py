@@ -5,15 +5,12 @@ from array import array
 from itertools import pairwise
 
 from hypothesis import given
-from hypothesis import strategies as st
 
 from shared.planner import posture as m
 from tests.float_twin.swing import advance
 
-from .bars import integers, repeatable
+from .bars import ANGLES, integers, repeatable
 from .robots import block
-
-ANGLES = st.lists(integers(-32768, 32767), min_size=12, max_size=12)
 
 
 def moved(start, goal, step):

@@ -9,7 +9,9 @@ from tests import ROOT
 from tests.float_twin import sample
 from tests.marks import skip_without
 
-USED = ("attitude", "balance", "body", "fixed", "gait", "goals", "leg", "pid", "planner", "reach", "sample", "swing")
+USED = (
+    "attitude", "balance", "body", "fixed", "gait", "goals", "leg", "pid", "planner", "reach", "sample", "si", "swing",
+)  # fmt: skip
 SCRIPT = "import json\nfrom float_twin.sample import numbers\nprint('@@' + json.dumps({'numbers': numbers()}))\n"
 
 

@@ -1,4 +1,4 @@
-"""A plain motor behind the joint's blocks, for tests: dq equations, one inertia, encoders, ADC counts, no noise.
+"""A joint, and a plain motor behind its blocks: dq equations, one inertia, encoders, ADC counts, no noise.
 
 As on the board, the rotor's reading is one step old and duties act one step later.
 """
@@ -6,7 +6,7 @@ As on the board, the rotor's reading is one step old and duties act one step lat
 import math
 
 from host.robot.file import load_robot
-from host.robot.joint_gains import JointBlocks, joint_blocks
+from host.robot.joint_gains import joint_blocks
 from host.robot.joint_units import Board, JointSetup
 from shared.joint import layout as j
 from shared.joint.bend import straightened
@@ -19,24 +19,30 @@ from shared.joint.tick import joint_reset, motion_tick
 
 SUBSTEPS = 4
 ROOT_3 = math.sqrt(3)
+LOWER_RAD, UPPER_RAD = -1.0, 1.9
+BLDC = load_robot("parallel").actuator
+
+
+def changed(**tables):
+    """Return the motor's data with some values changed: ``drive={"pwm_hz": 10000}``."""
+    update = {name: getattr(BLDC, name).model_copy(update=values) for name, values in tables.items()}
+    return BLDC.model_copy(update=update)
+
+
+def made(bldc=BLDC, board=None, **setup):
+    """Return the blocks of a joint."""
+    return joint_blocks(bldc, JointSetup(LOWER_RAD, UPPER_RAD, **setup), board)
 
 
 class Plant:
     """One joint at its real rates; ``blocked`` holds the rotor, ``swapped`` exchanges phases b and c at the motor."""
 
     def __init__(self, elec_offset_brad=0, direction=1, commissioned=True, inertia_kg_m2=0.01, **setup):
-        self.bldc = load_robot("parallel").actuator
-        self.setup = JointSetup(lower_rad=-1.0, upper_rad=1.9, inertia_kg_m2=inertia_kg_m2, **setup)
-        self.board = Board()
-        self.blocks: JointBlocks = joint_blocks(self.bldc, self.setup, self.board)
+        self.bldc, self.board = BLDC, Board()
+        self.blocks = blocks = made(inertia_kg_m2=inertia_kg_m2, **setup)
         self.commission = Commission()
-        self.loop, self.settings, self.state, self.io = (
-            self.blocks.loop,
-            self.blocks.settings,
-            self.blocks.state,
-            self.blocks.io,
-        )
-        self.units = self.blocks.units
+        self.loop, self.settings, self.state, self.io = blocks.loop, blocks.settings, blocks.state, blocks.io
+        self.units = blocks.units
         motor = self.bldc.motor
         self.pp, self.r, self.l = motor.pole_pairs, motor.resistance_ohm, motor.inductance_H
         self.psi = motor.torque_constant_Nm_A / 1.5 / self.pp
@@ -152,6 +158,11 @@ class Plant:
         if self.ticks % 100 == 99:
             slow_tick(self.settings, self.state, self.io, self.blocks.curve)
         self.ticks += 1
+
+    def run(self, count, setpoint=True):
+        """So many milliseconds."""
+        for _ in range(count):
+            self.tick(setpoint)
 
     def current_A(self):
         return self.state.current_reference * self.units.ampere_per_cu

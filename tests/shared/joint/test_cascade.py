@@ -7,39 +7,22 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host.robot.file import load_robot
-from host.robot.joint_gains import joint_blocks
-from host.robot.joint_units import RATE_PER_RAD_S, JointSetup
+from host.robot.joint_units import RATE_PER_RAD_S
 from shared.joint import cascade, commutation, feed, profile, report
 from shared.joint.commutation import set_commutation
 from shared.joint.drive_state import drive_arm
 from shared.joint.encoder import home_by_encoder
-from shared.wire.names import (
-    LIMIT_ACCELERATION,
-    LIMIT_CURRENT,
-    LIMIT_OVER_VOLTAGE,
-    LIMIT_POSITION,
-    LIMIT_UNDER_VOLTAGE,
-    LIMIT_VELOCITY,
-    MODE_CURRENT,
-    MODE_IMPEDANCE,
-    MODE_OFF,
-    MODE_POSITION,
-    MODE_VELOCITY,
-    RESULT_OK,
-    STATE_OPERATION_ENABLED,
-)
+from shared.wire import names as w
 from tests.float_twin import joint_motion as twin
 
-from .plant import Plant
+from .plant import BLDC, UPPER_RAD, Plant, made
 
-BLDC = load_robot("parallel").actuator
 INT16 = st.integers(-32768, 32767)
 RATE = st.integers(-(1 << 19) + 1, (1 << 19) - 1)
 
 
 def make(**setup):
-    blocks = joint_blocks(BLDC, JointSetup(-1.0, 1.9, **setup))
+    blocks = made(**setup)
     blocks.state.bus = 6144
     blocks.state.current_limit = blocks.settings.current_max
     return blocks
@@ -197,16 +180,16 @@ def test_limit_current_falls_with_the_bus_and_says_why():
     s, k = blocks.state, blocks.settings
     top = s.current_limit
     assert cascade.limit_current(k, s, 5000) == top
-    assert s.limits == LIMIT_CURRENT
+    assert s.limits == w.LIMIT_CURRENT
     s.limits, s.velocity = 0, 1000
     s.bus = (k.under + k.under_start) // 2
     assert abs(cascade.limit_current(k, s, 5000) - top / 2) <= 1
     assert cascade.limit_current(k, s, -5000) == -top
-    assert s.limits == LIMIT_UNDER_VOLTAGE | LIMIT_CURRENT
+    assert s.limits == w.LIMIT_UNDER_VOLTAGE | w.LIMIT_CURRENT
     s.limits, s.bus = 0, k.over
     assert cascade.limit_current(k, s, -5000) == 0
     assert cascade.limit_current(k, s, 5000) == top
-    assert s.limits & LIMIT_OVER_VOLTAGE
+    assert s.limits & w.LIMIT_OVER_VOLTAGE
 
 
 @given(st.lists(st.integers(-65535, 65535), min_size=1, max_size=40))
@@ -274,21 +257,19 @@ def test_no_current_pushes_beyond_a_position_limit(position, current, given_cu):
     blocks = make()
     blocks.state.position = position
     assert cascade.guard_position(blocks.settings, blocks.state, current) == given_cu
-    assert bool(blocks.state.limits & LIMIT_POSITION) == (given_cu == 0)
+    assert bool(blocks.state.limits & w.LIMIT_POSITION) == (given_cu == 0)
 
 
-def armed(mode=MODE_POSITION, **plant):
+def armed(mode=w.MODE_POSITION, **plant):
     p = Plant(elec_offset_brad=12345, direction=-1, **plant)
-    for _ in range(3):
-        p.tick()
+    p.run(3)
     assert home_by_encoder(p.settings, p.state, p.io)
     p.io.mode = mode
     p.io.position = p.wire_position(p.joint_rad())
     p.tick()
-    assert drive_arm(p.settings, p.state, p.io, MODE_OFF) == RESULT_OK
-    for _ in range(5):
-        p.tick()
-    assert p.state.drive_state == STATE_OPERATION_ENABLED
+    assert drive_arm(p.settings, p.state, p.io, w.MODE_OFF) == w.RESULT_OK
+    p.run(5)
+    assert p.state.drive_state == w.STATE_OPERATION_ENABLED
     return p
 
 
@@ -306,7 +287,7 @@ def test_position_step_settles_without_overshoot_within_the_current_limit(inerti
     assert abs(p.joint_rad() - start - 0.5) < math.radians(0.2)
     assert highest < 0.5 * 1.05
     assert current < 2.0 * 1.05
-    assert seen & LIMIT_ACCELERATION
+    assert seen & w.LIMIT_ACCELERATION
     assert p.state.fault_code == 0
 
 
@@ -325,7 +306,7 @@ def test_sine_of_two_hertz_is_tracked_within_a_degree():
 
 
 def test_velocity_mode_holds_its_speed_and_slows_down_before_the_limit():
-    p = armed(MODE_VELOCITY)
+    p = armed(w.MODE_VELOCITY)
     p.io.velocity = p.wire_velocity(3.0)
     speeds, seen = [], 0
     for _ in range(900):
@@ -333,36 +314,34 @@ def test_velocity_mode_holds_its_speed_and_slows_down_before_the_limit():
         speeds.append(p.speed / 22)
         seen |= p.state.limits
     assert speeds[300] == pytest.approx(3.0, rel=0.02)
-    assert seen & LIMIT_POSITION
-    assert p.joint_rad() < p.setup.upper_rad + math.radians(1)
+    assert seen & w.LIMIT_POSITION
+    assert p.joint_rad() < UPPER_RAD + math.radians(1)
     assert abs(speeds[-1]) < 0.05
     p.io.velocity = p.wire_velocity(-40.0)
     p.tick()
-    assert p.state.limits & LIMIT_VELOCITY
+    assert p.state.limits & w.LIMIT_VELOCITY
 
 
 def test_stall_torque_in_current_mode_is_that_of_two_ampere():
-    p = armed(MODE_CURRENT)
+    p = armed(w.MODE_CURRENT)
     p.blocked = True
     p.io.current = 3 * 4096
-    for _ in range(200):
-        p.tick()
+    p.run(200)
     torque = 1.5 * p.pp * p.psi * p.i_q * p.direction * 22
     assert torque == pytest.approx(3.0, rel=0.03)
-    assert p.state.limits & LIMIT_CURRENT
+    assert p.state.limits & w.LIMIT_CURRENT
     assert p.state.fault_code == 0
 
 
 def test_impedance_mode_is_a_spring():
-    p = armed(MODE_IMPEDANCE)
+    p = armed(w.MODE_IMPEDANCE)
     stiffness = 20.0  # N m/rad
     per_turn = stiffness / (p.bldc.motor.torque_constant_Nm_A * 22) * math.tau
     p.io.stiffness, p.io.damping = round(per_turn * 16), round(0.03 * per_turn * 256)
     p.friction = 0.0
     start = p.joint_rad()
     p.load_Nm = 1.0 / 22  # 1 N m at the joint
-    for _ in range(1500):
-        p.tick()
+    p.run(1500)
     assert start - p.joint_rad() == pytest.approx(1.0 / stiffness, rel=0.05)
 
 
@@ -373,8 +352,7 @@ def test_between_set_points_the_target_moves_on_only_for_a_while():
     p.io.velocity = p.wire_velocity(2.0)
     p.ticks = 0
     p.tick()
-    for _ in range(90):
-        p.tick(setpoint=False)
+    p.run(90, setpoint=False)
     moved = (p.state.target >> 8) * p.units.rad_per_rc - start
     assert moved == pytest.approx(2.0 * 0.010, abs=0.001)
     assert p.joint_rad() - start == pytest.approx(moved, abs=0.002)

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from shared.joint.cogging import cogging_step, hold_waves, put_wave, set_waves
 from shared.joint.commutation import fill_sine
+from shared.joint.drive_state import drive_arm, drive_disarm, drive_quick_stop
 from shared.joint.layout import WAVES, CurrentLoop
 from shared.wire import names as w
 
@@ -56,26 +57,16 @@ def test_the_stored_waves_are_handed_on():
     assert (p.loop.wave_order[1], p.loop.wave_current[1], p.loop.wave_phase[1]) == (84, 1600, 768)
 
 
-def driven(p, mode, ticks=40):
-    p.io.mode = mode
-    for _ in range(ticks):
-        p.tick()
-
-
 @pytest.mark.parametrize(("torque", "waves"), [("drive", WAVES), ("quick stop", 0), ("off", 0), ("stopped", 0)])
 def test_they_act_only_while_the_joint_drives(torque, waves):
-    from shared.joint.drive_state import drive_arm, drive_disarm, drive_quick_stop
-
     p = Plant()
     p.settings.cogging_order_0, p.settings.cogging_current_0 = 42, 1600
     set_waves(p.loop, p.settings)
     p.state.homed = 1
     p.io.mode = w.MODE_CURRENT
-    for _ in range(10):
-        p.tick()
+    p.run(10)
     assert drive_arm(p.settings, p.state, p.io, w.MODE_OFF) == w.RESULT_OK
-    for _ in range(10):
-        p.tick()
+    p.run(10)
     assert p.loop.waves == WAVES
     if torque == "quick stop":
         p.speed = 200.0
@@ -84,7 +75,6 @@ def test_they_act_only_while_the_joint_drives(torque, waves):
         drive_disarm(p.state)
     elif torque == "stopped":
         p.io.e_stop = 1
-    p.tick()
-    p.tick()
+    p.run(2)
     assert p.loop.waves == waves
     assert waves or p.loop.cogging_q == 0

@@ -1,5 +1,6 @@
 """Commissioning in closed loop on the plain motor: what it finds, what it refuses and why, what it leaves unchanged."""
 
+import cmath
 import copy
 import functools
 import math
@@ -30,16 +31,15 @@ FULL, VERIFY = s.COMMISSION_FULL, s.COMMISSION_VERIFY
 
 
 def begun(p, kind):
-    for _ in range(5):
-        p.tick(setpoint=False)
+    p.run(5, setpoint=False)
     begin_commission(p.state, p.commission, kind)
     assert drive_arm(p.settings, p.state, p.io, w.MODE_COMMISSIONING) == w.RESULT_OK
     return p
 
 
-def finished(p):
+def finished(p, kind=FULL):
     """Commission ``p`` to the end, and the tick in which a fault is latched."""
-    return ended(begun(p, FULL))
+    return ended(begun(p, kind))
 
 
 def ended(p):
@@ -47,20 +47,6 @@ def ended(p):
     while p.commission.phase:
         p.tick(setpoint=False)
     p.tick(setpoint=False)
-    return p
-
-
-def commission(kind, arrange=None, pose_rad=None, **plant):
-    p = Plant(**plant)
-    if arrange:
-        arrange(p)
-    begun(p, kind)
-    if pose_rad is not None:
-        p.commission.pose_given, p.commission.pose = 1, round(pose_rad / p.units.rad_per_rc)
-    for tick in range(60000):
-        p.tick(setpoint=False)
-        if tick > 10 and p.state.drive_state in (w.STATE_SWITCH_ON_DISABLED, w.STATE_FAULT):
-            break
     return p
 
 
@@ -87,12 +73,11 @@ def offset_error(p, true):
 
 @pytest.mark.parametrize(("offset", "direction", "sign"), [(12345, -1, 1), (50000, 1, -1)])
 def test_it_finds_everything(offset, direction, sign):
-    def unknown(p):
-        p.settings.pole_pairs, p.settings.bemf, p.settings.omega_l = 11, 1, 1
-        p.loop.kp, p.loop.ki = 400, 60
-        p.settings.velocity_p, p.settings.velocity_i, p.settings.inertia, p.settings.accel = 100, 50, 30, 9000
-
-    p = commission(FULL, unknown, elec_offset_brad=offset, direction=direction, commissioned=False, sign=sign)
+    p = Plant(elec_offset_brad=offset, direction=direction, commissioned=False, sign=sign)
+    p.settings.pole_pairs, p.settings.bemf, p.settings.omega_l = 11, 1, 1
+    p.loop.kp, p.loop.ki = 400, 60
+    p.settings.velocity_p, p.settings.velocity_i, p.settings.inertia, p.settings.accel = 100, 50, 30, 9000
+    finished(p)
     wanted = Plant().blocks
     assert p.state.fault_code == 0
     assert (p.settings.commissioned, p.settings.direction, p.settings.pole_pairs) == (1, direction, 7)
@@ -121,8 +106,7 @@ def test_to_verify_moves_the_joint_by_at_most_an_electrical_turn_and_changes_not
     p = Watched(elec_offset_brad=900)
     before, gains = pack(p.settings), (p.loop.kp, p.loop.ki)
     begun(p, VERIFY)
-    for _ in range(6000):
-        p.tick(setpoint=False)
+    p.run(6000, setpoint=False)
     assert (p.state.fault_code, p.state.drive_state) == (0, w.STATE_SWITCH_ON_DISABLED)
     assert (pack(p.settings), (p.loop.kp, p.loop.ki)) == (before, gains)
     assert math.degrees(max(far)) < 360 / 7 / 22 * 1.2
@@ -130,7 +114,9 @@ def test_to_verify_moves_the_joint_by_at_most_an_electrical_turn_and_changes_not
 
 def test_the_pose_sets_both_zeros():
     pose = 0.25
-    p = commission(FULL, pose_rad=pose, elec_offset_brad=900, commissioned=False)
+    p = begun(Plant(elec_offset_brad=900, commissioned=False), FULL)
+    p.commission.pose_given, p.commission.pose = 1, round(pose / p.units.rad_per_rc)
+    ended(p)
     zero_rad = 0.3 / 22 - pose  # the plant starts at 0.3 rad of the rotor
     p.angle = (zero_rad + 0.4) * 22
     p.read_slow()
@@ -159,7 +145,7 @@ def test_refusals_have_a_reason_and_change_nothing(kind, arrange, code):
     p = Plant()
     arrange(p)
     before, gains = pack(p.settings), (p.loop.kp, p.loop.ki)
-    p = commission(kind, arrange)
+    finished(p, kind)
     assert p.state.fault_code == code
     assert pack(p.settings) == before
     assert (p.loop.kp, p.loop.ki) == gains
@@ -245,8 +231,7 @@ def test_a_joint_encoder_that_does_not_follow_is_refused():
             self.io.joint_raw = 77
 
     p = begun(Stuck(), VERIFY)
-    for _ in range(4000):
-        p.tick(setpoint=False)
+    p.run(4000, setpoint=False)
     assert p.state.fault_code == f.FAULT_COMMISSION_JOINT_ENCODER
 
 
@@ -255,8 +240,7 @@ def test_it_can_be_stopped_in_every_phase_and_leaves_all_as_it_was(phase):
     p = come_to(phase)
     assert p.commission.phase == phase
     before = Plant()
-    for _ in range(20):
-        p.tick(setpoint=False)
+    p.run(20, setpoint=False)
     drive_disarm(p.state)
     p.tick(setpoint=False)
     assert p.state.drive_state == w.STATE_SWITCH_ON_DISABLED
@@ -278,9 +262,7 @@ def test_inertia_and_friction_whatever_pulls(name, pull_Nm):
             self.load_Nm = (pull_Nm if begun else 0.0) + viscous_Nms_rad * self.speed
             super().move(seconds)
 
-    p = begun(Pulled(commissioned=False), FULL)
-    while p.commission.phase:
-        p.tick(setpoint=False)
+    p = finished(Pulled(commissioned=False))
     Nm = p.bldc.motor.torque_constant_Nm_A * p.units.ampere_per_cu
     assert p.state.fault_code == 0
     assert p.settings.inertia == pytest.approx(Plant().settings.inertia, rel=0.04)
@@ -301,21 +283,21 @@ class Cogging(Plant):
         super().move(seconds)
 
 
+def off_wave(p, order, share, at):
+    """Return how far the wave of that order is found off a cogging, as a share of the torque at the current limit."""
+    found = {getattr(p.settings, f"cogging_order_{k}"): k for k in range(3)}
+    current, phase = (getattr(p.settings, f"cogging_{name}_{found[order]}") for name in ("current", "phase"))
+    found_A = cmath.rect(current / 16 * p.units.ampere_per_cu, phase / 65536 * math.tau)
+    return abs(found_A / p.bldc.drive.current_limit_A - cmath.rect(share * p.direction, at))
+
+
 @pytest.mark.parametrize("direction", [1, -1])
 def test_the_waves_of_the_cogging_are_found(direction):
     """Each within 15 % of the strongest: of the weaker one that is 60 %."""
     p = finished(Cogging(commissioned=False, direction=direction))
     assert p.state.fault_code == 0
-    found = {getattr(p.settings, f"cogging_order_{k}"): k for k in range(3)}
-    limit = p.bldc.drive.current_limit_A / p.units.ampere_per_cu
-    for order, share, at in Cogging.waves:
-        current, phase = (getattr(p.settings, f"cogging_{name}_{found[order]}") for name in ("current", "phase"))
-        wanted = share * limit * direction
-        away = math.dist(
-            (current / 16 * math.cos(phase / 65536 * math.tau), current / 16 * math.sin(phase / 65536 * math.tau)),
-            (wanted * math.cos(at), wanted * math.sin(at)),
-        )
-        assert away < 0.15 * Cogging.waves[0][1] * limit
+    for wave in Cogging.waves:
+        assert off_wave(p, *wave) < 0.15 * Cogging.waves[0][1]
     assert max(p.loop.wave_order) in (42, 84)  # and it has handed them to the interrupt
 
 
@@ -368,14 +350,12 @@ def test_too_much_play_is_named_at_once():
 
 
 def test_play_is_what_both_ways_differ_by():
-    p = begun(Loose(commissioned=False), FULL)
-    while p.commission.phase:
-        p.tick(setpoint=False)
+    p = finished(Loose(commissioned=False))
     assert math.degrees(p.commission.backlash / 16 * p.units.rad_per_rc) == pytest.approx(0.2, abs=0.01)
 
 
 def test_play_cannot_be_measured_without_a_joint_encoder():
-    p = commission(FULL, commissioned=False, has_joint_encoder=False)
+    p = finished(Plant(commissioned=False, has_joint_encoder=False))
     assert (p.state.fault_code, p.commission.backlash) == (0, -1)
 
 

@@ -1,30 +1,22 @@
 """The joint as viper in a real MicroPython: same numbers, no allocation, current step against its float twin."""
 
-import json
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 
-from host.boards.build.lower import lowered_modules
-from host.boards.build.rewrite import rewrite
-from host.boards.build.source import closure
-from host.robot.file import load_robot
-from host.robot.joint_gains import joint_blocks
-from host.robot.joint_units import JointSetup
+from host.boards.runtimes import Unix
 from shared.record import pack
 from tests import ROOT
+from tests.marks import skip_without
 
+from .plant import made
 from .trace import Trace
 
-VM = Path(sys.executable).with_name("micropython")
 TICKS = 4800
 
 SCRIPT = """
-import gc, json, micropython, time
-from array import array
+import json, micropython, time
 from data import LOOP_SETTINGS, SETTINGS, CURVE, TICKS
 from shared.joint.current import current_step
 from shared.joint.thermal import slow_tick
@@ -66,41 +58,32 @@ def allocated(trace):
 
 allocated(trace)
 other.at_rest()
-print(json.dumps({"digest": digest, "codes": trace.codes, "bytes": allocated(trace),
-                  "integer_us": best_us(integer, 5000), "float_us": best_us(floating, 5000)}))
+print("@@" + json.dumps({"digest": digest, "codes": trace.codes, "bytes": allocated(trace),
+                         "integer_us": best_us(integer, 5000), "float_us": best_us(floating, 5000)}))
 """
 
 
 def block_values():
-    blocks = joint_blocks(load_robot("parallel").actuator, JointSetup(-1.0, 1.9, has_joint_encoder=False))
+    blocks = made(has_joint_encoder=False)
     blocks.settings.commissioned = 1
     return pack(blocks.loop_settings), pack(blocks.settings), blocks.curve
 
 
 @pytest.fixture(scope="module")
 def answer(tmp_path_factory):
-    if not VM.exists():
-        pytest.skip("no MicroPython unix VM beside this python")
-    folder = tmp_path_factory.mktemp("joint")
+    runtime = Unix("viper")
+    skip_without(runtime)
     sources = tmp_path_factory.mktemp("sources")
     shutil.copytree(ROOT / "shared", sources / "shared")
     (sources / "trace").mkdir()
     shutil.copy(Path(__file__).with_name("trace.py"), sources / "trace" / "__init__.py")
-    modules = lowered_modules(sources, ("shared", "trace"))
-    for name in closure(modules, ["trace"]):
-        module = modules[name]
-        target = folder / module.path
-        target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_bytes(rewrite(module, modules, "viper", "x64"))
-    shutil.copy(ROOT / "tests/float_twin/joint_current.py", folder / "twin.py")
+    tree = runtime.prepare(sources, tmp_path_factory.mktemp("joint"))
+    shutil.copy(ROOT / "tests/float_twin/joint_current.py", tree / "twin.py")
     loop_settings, settings, curve = block_values()
-    (folder / "data.py").write_text(
+    (tree / "data.py").write_text(
         f"LOOP_SETTINGS = {loop_settings}\nSETTINGS = {settings}\nCURVE = {curve}\nTICKS = {TICKS}\n"
     )
-    (folder / "main.py").write_text(SCRIPT)
-    ran = subprocess.run([VM, "main.py"], cwd=folder, capture_output=True, text=True, timeout=120)
-    assert ran.returncode == 0, ran.stdout + ran.stderr
-    return json.loads(ran.stdout)
+    return runtime.ask(tree, SCRIPT)
 
 
 def test_viper_gives_the_same_numbers(answer):

@@ -7,9 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host.robot.file import load_robot
-from host.robot.joint_gains import joint_blocks
-from host.robot.joint_units import RATE_PER_RAD_S, JointSetup, current_gains
+from host.robot.joint_units import RATE_PER_RAD_S, current_gains
 from shared.joint.commutation import fill_sine, lead_angle
 from shared.joint.current import (
     STEP_DONE,
@@ -30,21 +28,24 @@ from shared.num.fixed import cos_q15, sin_q15
 from shared.record import pack
 from tests.float_twin import joint_current as twin
 
-from .plant import Plant
+from .plant import BLDC, Plant, made
 
-BLDC = load_robot("parallel").actuator
 SQRT3 = math.sqrt(3)
+
+
+def at_24_V(rotor=0):
+    blocks = made()
+    current_reset(blocks.loop, rotor)
+    feed_bus(blocks.loop, blocks.settings, round(24 / blocks.units.volt_per_vu))
+    return blocks
 
 
 @pytest.fixture
 def blocks():
-    made = joint_blocks(BLDC, JointSetup(-1.0, 1.9))
-    current_reset(made.loop, 0)
-    made.loop.pulse = 0
-    feed_bus(made.loop, made.settings, round(24 / made.units.volt_per_vu))
-    for phase in range(3):
-        made.loop.raw[phase] = 2048
-    return made
+    blocks = at_24_V()
+    blocks.loop.pulse = 0
+    blocks.loop.raw[:] = [2048] * 3
+    return blocks
 
 
 def step(loop, rotor, invalid=0):
@@ -127,14 +128,10 @@ def test_integral_does_not_wind_up_behind_the_voltage_limit(blocks):
 
 @given(st.lists(st.integers(0, 4095), min_size=3, max_size=3), st.integers(0, 16383), st.integers(-12288, 12288))
 def test_any_reading_gives_duties_within_the_period(raw, rotor, wanted):
-    made = joint_blocks(BLDC, JointSetup(-1.0, 1.9))
-    loop = made.loop
-    current_reset(loop, rotor)
-    feed_bus(loop, made.settings, 6144)
+    loop = at_24_V(rotor).loop
     loop.reference_q = wanted
     for _ in range(4):
-        for k in range(3):
-            loop.raw[k] = raw[k]
+        loop.raw[:] = raw
         _, last = step(loop, rotor)
         assert last in (STEP_DONE, STEP_TRIP)
         assert all(0 <= loop.duty[k] <= loop.period for k in range(3))
@@ -168,8 +165,7 @@ def test_a_phase_without_a_sample_is_rebuilt(blocks, phase):
     loop = blocks.loop
     set_offsets(loop, 2050 << 4, 2040 << 4, 2047 << 4)
     true = (2150, 1990, 1997)
-    for k in range(3):
-        loop.raw[k] = true[k]
+    loop.raw[:] = true
     assert current_sum(loop) == 0
     loop.raw[phase] = 17
     loop.masked = 1 << phase
@@ -192,26 +188,22 @@ def test_without_two_samples_the_voltage_turns_with_the_rotor(blocks):
 
 @given(st.lists(st.integers(1800 << 4, 2298 << 4), min_size=3, max_size=3))
 def test_offsets_are_taken_out(offsets):
-    made = joint_blocks(BLDC, JointSetup(-1.0, 1.9))
-    loop = made.loop
-    current_reset(loop, 0)
-    feed_bus(loop, made.settings, 6144)
+    loop = at_24_V().loop
     set_offsets(loop, *offsets)
-    for k in range(3):
-        loop.raw[k] = (offsets[k] + 8) >> 4
+    loop.raw[:] = [(offset + 8) >> 4 for offset in offsets]
     step(loop, 0)
     assert abs(loop.current_d) <= 7
     assert abs(loop.current_q) <= 7
     assert abs(current_sum(loop)) <= 2
 
 
-def locked_rotor_step(q_ref_A=2.0, steps=200):
+def locked_rotor_step():
     plant = Plant(elec_offset_brad=7000)
     plant.blocked = plant.bridge = True
     feed_bus(plant.loop, plant.settings, 6144)
-    plant.loop.reference_q = round(q_ref_A / plant.units.ampere_per_cu)
+    plant.loop.reference_q = round(2.0 / plant.units.ampere_per_cu)
     seen = []
-    for _ in range(steps):
+    for _ in range(200):
         plant.current_step()
         seen.append(plant.i_q)
     return plant, seen

@@ -4,9 +4,6 @@ import random
 
 import pytest
 
-from host.robot.file import load_robot
-from host.robot.joint_gains import joint_blocks
-from host.robot.joint_units import JointSetup
 from shared.joint import faults
 from shared.joint import layout as j
 from shared.joint.commission_state import COMMISSION_FULL, COMMISSION_VERIFY, Commission
@@ -18,19 +15,16 @@ from shared.joint.tick import begin_commission, joint_reset, motion_tick
 from shared.record import pack
 from shared.wire import names as w
 
-BLDC = load_robot("parallel").actuator
+from .plant import made
 
 
 class Joint:
     """The blocks of a joint at rest with healthy sensors; the bridge is nowhere."""
 
     def __init__(self, commissioned=True):
-        blocks = joint_blocks(BLDC, JointSetup(-1.0, 1.9, has_joint_encoder=False))
-        self.loop, self.settings, self.state, self.io, self.curve = (
-            blocks.loop, blocks.settings, blocks.state, blocks.io, blocks.curve,
-        )  # fmt: skip
-        self.commission = Commission()
-        self.units = blocks.units
+        blocks = made(has_joint_encoder=False)
+        self.loop, self.settings, self.state, self.io = blocks.loop, blocks.settings, blocks.state, blocks.io
+        self.commission, self.curve = Commission(), blocks.curve
         self.settings.commissioned = int(commissioned)
         joint_reset(self.loop, self.settings, self.state, 100)
         self.healthy()
@@ -56,11 +50,15 @@ class Joint:
     def arm(self, purpose=w.MODE_OFF):
         return drive_arm(self.settings, self.state, self.io, purpose)
 
-    def run(self):
+    def ready(self):
         self.tick(2)
         home_at(self.settings, self.state, 100)
         self.setpoint()
         self.tick()
+        return self
+
+    def run(self):
+        self.ready()
         assert self.arm() == w.RESULT_OK
         assert self.tick(4) == w.STATE_OPERATION_ENABLED
         return self
@@ -70,9 +68,7 @@ def test_arming_climbs_one_state_a_tick():
     joint = Joint()
     assert joint.state.drive_state == w.STATE_NOT_READY
     assert joint.tick(2) == w.STATE_SWITCH_ON_DISABLED
-    home_at(joint.settings, joint.state, 100)
-    joint.setpoint()
-    joint.tick()
+    joint.ready()
     assert joint.arm() == w.RESULT_OK
     seen = [joint.tick() for _ in range(4)]
     assert seen == [w.STATE_READY, w.STATE_SWITCHED_ON, w.STATE_OPERATION_ENABLED, w.STATE_OPERATION_ENABLED]
@@ -90,11 +86,7 @@ def test_arming_climbs_one_state_a_tick():
     ],
 )
 def test_arming_is_refused_with_a_reason(place, value, result):
-    joint = Joint()
-    joint.tick(2)
-    home_at(joint.settings, joint.state, 100)
-    joint.setpoint()
-    joint.tick()
+    joint = Joint().ready()
     setattr(joint.io, place, value)
     assert joint.arm() == result
     assert joint.tick(4) == w.STATE_SWITCH_ON_DISABLED

@@ -12,15 +12,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host.robot.file import load_robot
-from host.robot.joint_gains import joint_blocks
-from host.robot.joint_units import JointSetup
 from shared.joint import encoder
 from shared.record import pack
 from tests import ROOT
 from tests.float_twin import joint_motion as twin
 
-BLDC = load_robot("parallel").actuator
+from .plant import made
+
 JOINT_TURN = 22 * 16384
 STEP = st.integers(-8191, 8191)
 
@@ -31,7 +29,7 @@ def joint():
 
 
 def make(**setup):
-    blocks = joint_blocks(BLDC, JointSetup(-1.0, 1.9, **setup))
+    blocks = made(**setup)
     encoder.encoder_reset(blocks.loop, blocks.settings, blocks.state)
     return blocks
 

@@ -4,7 +4,6 @@ import math
 
 import pytest
 
-from host.robot.file import load_robot
 from host.robot.joint_faults import WORDS, fault_name, fault_sentence
 from host.robot.joint_gains import joint_blocks
 from host.robot.joint_units import AXIS_MOST_VU, WORD, Board, JointSetup, current_gains, ripple_A, trip_A
@@ -12,21 +11,14 @@ from host.util.errors import UserError
 from shared.joint import faults
 from tests import ROOT
 
-BLDC = load_robot("parallel").actuator
-SETUP = JointSetup(-1.0, 1.9)
-
-
-def changed(**tables):
-    """Return the motor's data with some values changed: ``drive={"pwm_hz": 10000}``."""
-    update = {name: getattr(BLDC, name).model_copy(update=values) for name, values in tables.items()}
-    return BLDC.model_copy(update=update)
+from .plant import BLDC, changed, made
 
 
 def test_gains_are_those_of_the_bandwidth():
     kp, ki = current_gains(BLDC)
     w = 2 * math.pi * BLDC.drive.current_bandwidth_hz
     assert (kp, ki) == (pytest.approx(0.6e-3 * w), pytest.approx(1.2 * w))
-    blocks = joint_blocks(BLDC, SETUP)
+    blocks = made()
     scale = blocks.units.ampere_per_cu / blocks.units.volt_per_vu * 8192
     assert blocks.loop.kp == pytest.approx(kp * scale, abs=0.5)
     assert blocks.loop.ki == pytest.approx(ki / 10000 * scale, abs=0.5)
@@ -40,7 +32,7 @@ def test_the_current_step_cannot_overflow_with_what_is_accepted(limit_A, bandwid
         drive={"current_limit_A": limit_A, "current_bandwidth_hz": bandwidth, "pwm_hz": 60000},
         motor={"inductance_H": henry},
     )
-    blocks = joint_blocks(bldc, SETUP)
+    blocks = made(bldc)
     loop, units = blocks.loop, blocks.units
     error = (trip_A(bldc, Board()) + limit_A) / units.ampere_per_cu
     longest = Board().adc_volt * Board().bus_divider / math.sqrt(3) / units.volt_per_vu
@@ -67,7 +59,7 @@ def test_the_current_step_cannot_overflow_with_what_is_accepted(limit_A, bandwid
 )
 def test_what_cannot_be_served_is_refused_in_one_line(tables, word):
     with pytest.raises(UserError) as caught:
-        joint_blocks(changed(**tables), SETUP)
+        made(changed(**tables))
     assert word in str(caught.value)
     assert "\n" not in str(caught.value)
 
@@ -84,7 +76,7 @@ def test_ripple():
 def test_every_fault_has_its_words():
     codes = {getattr(faults, n) for n in dir(faults) if n.startswith("FAULT_") and n != "FAULT_COAST_FROM"}
     assert codes == set(WORDS)
-    units = joint_blocks(BLDC, SETUP).units
+    units = made().units
     for code in codes:
         sentence = fault_sentence(code, 1234, units)
         assert sentence.startswith(fault_name(code))
@@ -94,7 +86,7 @@ def test_every_fault_has_its_words():
 
 
 def test_sentences_name_cause_and_value():
-    units = joint_blocks(BLDC, SETUP).units
+    units = made().units
     assert "17 V" in fault_sentence(faults.FAULT_UNDER_VOLTAGE, round(17 / units.volt_per_vu), units)
     assert "4352 vu" in fault_sentence(faults.FAULT_UNDER_VOLTAGE, 4352)
     assert "111 degrees C" in fault_sentence(faults.FAULT_WINDING_HOT, 1776)

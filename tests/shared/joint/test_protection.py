@@ -117,8 +117,7 @@ def test_stall_is_a_fault_after_its_time_and_holding_a_load_is_not():
     assert abs(p.state.fault_value) == p.settings.current_max
     p = armed()
     p.load_Nm = 0.12  # 1.75 A
-    for _ in range(1500):
-        p.tick()
+    p.run(1500)
     assert p.state.fault_code == 0
     assert abs(p.current_A()) > 1.6
 
@@ -210,19 +209,18 @@ def test_count_above(ticks, value, expected):
     assert count_above(ticks, value, 7) == expected
 
 
-def homing(stop_rad, start_rad=0.0, stop_at=None):
-    """A thigh without a joint encoder is sent against a stop at ``stop_at`` rad."""
-    p = Plant(elec_offset_brad=3000, has_joint_encoder=False, stop_rad=stop_rad, stop_towards=-1)
+def homing(stop_at, start_rad=0.0):
+    """A thigh without a joint encoder, its stop at -0.5 rad, is sent against one at ``stop_at`` rad."""
+    p = Plant(elec_offset_brad=3000, has_joint_encoder=False, stop_rad=-0.5, stop_towards=-1)
     p.angle = start_rad * 22
     p.loop.rotor = p.rotor()
     encoder_reset(p.loop, p.settings, p.state)
-    for _ in range(3):
-        p.tick()
+    p.run(3)
     assert drive_arm(p.settings, p.state, p.io, w.MODE_OFF) == w.RESULT_NOT_HOMED
     assert drive_arm(p.settings, p.state, p.io, w.MODE_HOMING) == w.RESULT_OK
     for _ in range(20000):
         p.tick(setpoint=False)
-        if stop_at is not None and p.joint_rad() <= stop_at:
+        if p.joint_rad() <= stop_at:
             p.angle, p.speed = stop_at * 22, max(p.speed, 0.0)
         if p.state.home_result not in (HOME_IDLE, HOME_SEEKING):
             break
@@ -232,7 +230,7 @@ def homing(stop_rad, start_rad=0.0, stop_at=None):
 
 @pytest.mark.parametrize("start", [0.0, 0.7])
 def test_homing_against_the_stop(start):
-    p = homing(-0.5, start, stop_at=-0.5)
+    p = homing(-0.5, start)
     assert p.state.home_result == HOME_DONE
     assert p.state.homed == 1
     assert p.state.position * p.units.rad_per_rc == pytest.approx(p.joint_rad(), abs=1e-3)
@@ -240,7 +238,7 @@ def test_homing_against_the_stop(start):
 
 
 def test_homing_refuses_a_stop_that_is_not_where_it_should_be():
-    p = homing(-0.5, stop_at=-0.40)  # 5.7 deg off: the nearest turn is not sure any more
+    p = homing(-0.40)  # 5.7 deg off: the nearest turn is not sure any more
     assert p.state.home_result == HOME_AMBIGUOUS
     assert (p.state.homed, p.state.fault_code) == (0, f.FAULT_HOME_AMBIGUOUS)
 
@@ -248,11 +246,9 @@ def test_homing_refuses_a_stop_that_is_not_where_it_should_be():
 def test_homing_gives_up_without_a_stop():
     p = Plant(has_joint_encoder=False)
     p.settings.home_limit_ticks = 300
-    for _ in range(3):
-        p.tick()
+    p.run(3)
     drive_arm(p.settings, p.state, p.io, w.MODE_HOMING)
-    for _ in range(400):
-        p.tick()
+    p.run(400)
     assert p.state.fault_code == f.FAULT_HOME_NO_STOP
 
 

@@ -7,30 +7,20 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from host.robot.file import load_robot
-from host.robot.joint_gains import joint_blocks
 from host.robot.joint_heat import COPPER_PER_K, SLOW_HZ
-from host.robot.joint_units import Board, JointSetup
+from host.robot.joint_units import Board
 from host.robot.thermistor import part_of
 from host.util.errors import UserError
 from shared.joint import thermal
 from tests.float_twin import joint_motion as twin
 
-BLDC = load_robot("parallel").actuator
+from .plant import BLDC, changed, made
 
 
-def make(bldc=BLDC, **setup):
-    return joint_blocks(bldc, JointSetup(-1.0, 1.9, **setup))
-
-
-def with_thermistor(**values):
-    return BLDC.model_copy(update={"thermal": BLDC.thermal.model_copy(update=values)})
-
-
-def accepted(bldc, board):
+def accepted(board, **thermal):
     """Return the blocks of a joint with that part, None if it is refused."""
     try:
-        return joint_blocks(bldc, JointSetup(-1.0, 1.9), board)
+        return made(changed(thermal=thermal), board)
     except UserError:
         return None
 
@@ -47,11 +37,9 @@ def accepted(bldc, board):
 def test_every_part_the_file_can_name_is_read_within_a_degree_or_refused(kind, decades, beta, pull_up, cutoff):
     """From its resistance at the true temperature, rounded by the ADC; the formula is the twin's, not the curve's."""
     ohm25 = 10**decades
-    bldc = with_thermistor(
-        thermistor=kind, thermistor_25C_ohm=ohm25, thermistor_beta_K=beta, winding_cutoff_C=cutoff, winding_derate_C=29
-    )
     board = Board(thermistor_pull_up_ohm=10**pull_up)
-    blocks = accepted(bldc, board)
+    limits = {"winding_cutoff_C": cutoff, "winding_derate_C": 29}
+    blocks = accepted(board, thermistor=kind, thermistor_25C_ohm=ohm25, thermistor_beta_K=beta, **limits)
     for tenths in range(-200, 10 * max(150, int(cutoff)), 7):
         celsius = tenths / 10
         ohm = twin.silicon_ohm(celsius, ohm25) if kind == "ptc" else twin.ntc_ohm(celsius, ohm25, beta)
@@ -63,13 +51,13 @@ def test_every_part_the_file_can_name_is_read_within_a_degree_or_refused(kind, d
 
 @pytest.mark.parametrize("ohm", [470, 1000, 4700, 10000, 22000])
 def test_the_usual_parts_are_taken(ohm):
-    assert accepted(with_thermistor(thermistor_25C_ohm=ohm), Board())
-    assert accepted(with_thermistor(thermistor_25C_ohm=4700), Board(thermistor_pull_up_ohm=ohm)) or ohm > 10000
+    assert accepted(Board(), thermistor_25C_ohm=ohm)
+    assert accepted(Board(thermistor_pull_up_ohm=ohm), thermistor_25C_ohm=4700) or ohm > 10000
 
 
 def test_a_part_the_board_cannot_read_is_refused_with_what_it_can():
     with pytest.raises(UserError) as caught:
-        joint_blocks(with_thermistor(thermistor_25C_ohm=100000), JointSetup(-1.0, 1.9))
+        made(changed(thermal={"thermistor_25C_ohm": 100000}))
     assert str(caught.value) == (
         "actuator.thermal.thermistor_25C_ohm 100000: use 220 .. 22000 ohm, "
         "which the board with its pull-up of 1000 ohm reads within a degree"
@@ -115,7 +103,7 @@ def test_scaled(value, factor, shift):
 
 @pytest.mark.parametrize(("ampere", "seconds"), [(2.0, 10), (2.0, 600), (1.0, 1500), (3.0, 30)])
 def test_the_model_follows_its_twin(ampere, seconds):
-    blocks = make()
+    blocks = made()
     t = BLDC.thermal
     nodes = twin.TwoNodes(t.winding_J_K, t.housing_J_K, t.winding_to_housing_K_W, t.housing_to_air_K_W)
     square = round(ampere / blocks.units.ampere_per_cu) ** 2 >> 8
@@ -128,7 +116,7 @@ def test_the_model_follows_its_twin(ampere, seconds):
 
 def test_hot_copper_heats_more():
     """A lasting current that would bring copper of 25 degrees C to 70 brings real copper to 79.7."""
-    t, blocks = BLDC.thermal, make()
+    t, blocks = BLDC.thermal, made()
     cold_K = 45.0
     ampere = math.sqrt(cold_K / (t.winding_to_housing_K_W + t.housing_to_air_K_W) / 1.5 / BLDC.motor.resistance_ohm)
     square = round(ampere / blocks.units.ampere_per_cu) ** 2 >> 8
@@ -147,14 +135,14 @@ def test_copper_share(t16):
 
 @given(st.lists(st.integers(0, (1 << 19) - 1), min_size=1, max_size=60))
 def test_the_model_stays_in_range(squares):
-    blocks = make()
+    blocks = made()
     for square in squares * 20:
         value = thermal.model_step(blocks.settings, blocks.state, square)
         assert 0 <= value <= 256 * 16
 
 
 def test_i2t_leaves_the_lasting_current_after_the_peak_time():
-    blocks = make(continuous_A=1.2, peak_s=8.0)
+    blocks = made(continuous_A=1.2, peak_s=8.0)
     square = round(2.0 / blocks.units.ampere_per_cu) ** 2 >> 8
     shares = [thermal.i2t_step(blocks.settings, blocks.state, square) for _ in range(10 * SLOW_HZ)]
     assert shares[: 4 * SLOW_HZ - 2] == [0x8000] * (4 * SLOW_HZ - 2)

@@ -4,13 +4,11 @@ from hypothesis import given
 
 from shared.wire.limits import differs, limit_but, outside
 
-from ..bars import integers, repeatable
-
-FIELD = integers(-(1 << 30), (1 << 30) - 1)
+from ..bars import WORD, repeatable
 
 
 @repeatable(300)
-@given(FIELD, FIELD, FIELD, FIELD)
+@given(WORD, WORD, WORD, WORD)
 def test_limits_are_kept_but_for_the_special_value(value, one, other, special):
     low, high = sorted((one, other))
     for drawn in (value, low, high, special):

@@ -36,10 +36,6 @@ def sync(link, counter, session=9):
     return take(link, names.SYNC_ID, [counter, session])
 
 
-def latched(link, kind):
-    return link.latched[kind]
-
-
 def test_every_identifier_has_one_address():
     for identifier, kind in ALL.items():
         block = framing.frame_block(identifier)
@@ -75,11 +71,11 @@ def test_set_points_wait_for_sync_and_change_together():
     assert take(link, 0x108, [10, 20, 30, 40]) == r.FRAME_SETPOINT
     assert link.mode == 0
     assert sync(link, 0) == r.FRAME_SYNC_SETPOINT
-    assert (link.mode, latched(link, r.KIND_POSITION)) == (names.MODE_POSITION, 20)
+    assert (link.mode, link.latched[r.KIND_POSITION]) == (names.MODE_POSITION, 20)
     assert take(link, 0x100, [1, 2, 3, 4]) == r.FRAME_NOT_MINE
     assert take(link, 0x108, [0, names.NO_CHANGE, 0, 0]) == r.FRAME_NOT_MINE
     assert sync(link, 1) == r.FRAME_SYNC
-    assert latched(link, r.KIND_POSITION) == 20
+    assert link.latched[r.KIND_POSITION] == 20
 
 
 def test_feed_forward_lasts_one_set_point_and_gains_stay():
@@ -89,12 +85,12 @@ def test_feed_forward_lasts_one_set_point_and_gains_stay():
     take(link, names.IMPEDANCE_STIFFNESS_ID, [600, 0, 0, 0])
     assert sync(link, 0) == r.FRAME_SYNC_SETPOINT
     assert link.mode == names.MODE_IMPEDANCE
-    assert (latched(link, r.KIND_CURRENT_FEEDFORWARD), latched(link, r.KIND_STIFFNESS)) == (-50, 600)
+    assert (link.latched[r.KIND_CURRENT_FEEDFORWARD], link.latched[r.KIND_STIFFNESS]) == (-50, 600)
     assert sync(link, 1) == r.FRAME_SYNC
-    assert latched(link, r.KIND_CURRENT_FEEDFORWARD) == -50
+    assert link.latched[r.KIND_CURRENT_FEEDFORWARD] == -50
     take(link, names.SETPOINT_IMPEDANCE_ID, [101, 0, 0, 0])
     assert sync(link, 2) == r.FRAME_SYNC_SETPOINT
-    assert (latched(link, r.KIND_CURRENT_FEEDFORWARD), latched(link, r.KIND_STIFFNESS)) == (0, 600)
+    assert (link.latched[r.KIND_CURRENT_FEEDFORWARD], link.latched[r.KIND_STIFFNESS]) == (0, 600)
 
 
 def test_feed_forward_and_gains_alone_are_no_set_point():
@@ -131,13 +127,13 @@ def test_another_session_latches_nothing_and_takes_nothing_away():
     assert sync(link, 3, session=9) == r.FRAME_SYNC_SETPOINT
     take(link, 0x100, [99, 0, 0, 0])
     assert sync(link, 77, session=8) == r.FRAME_OTHER_SESSION
-    assert latched(link, 0) == 10
+    assert link.latched[0] == 10
     for counter in range(100):
         assert sync(link, counter, session=8) == r.FRAME_OTHER_SESSION
     assert sync(link, 4, session=9) == r.FRAME_SYNC_SETPOINT
-    assert (latched(link, 0), link.lost_syncs) == (99, 0)
+    assert (link.latched[0], link.lost_syncs) == (99, 0)
     r.end_session(link)
-    assert (link.session, link.mode, latched(link, 0)) == (0, 0, 0)
+    assert (link.session, link.mode, link.latched[0]) == (0, 0, 0)
     assert sync(link, 5, session=8) == r.FRAME_SYNC
 
 
@@ -188,7 +184,7 @@ def test_random_frames_never_make_a_set_point_up(node, session, received):
         if found in (r.FRAME_SYNC, r.FRAME_SYNC_SETPOINT):
             for kind in range(framing.SETPOINT_KINDS):
                 allowed = {wanted[kind]} if kind in wanted else {before[kind], 0}
-                assert latched(link, kind) in allowed
+                assert link.latched[kind] in allowed
         else:
             assert list(link.latched) == before
         if found in (r.FRAME_SYNC, r.FRAME_SYNC_SETPOINT, r.FRAME_OTHER_SESSION):

@@ -181,14 +181,17 @@ def test_the_parameters_follow_the_joints_records():
     assert names[table.PARAMETER_CURRENT_KP : table.PARAMETER_THERMISTOR_RAW] == [n for n, _ in LoopSettings.FIELDS]
 
 
+def values_of(blocks):
+    """Return the values of a joint's settings by their names."""
+    return {
+        name: getattr(block, name) for block in (blocks.loop_settings, blocks.settings) for name, _ in block.FIELDS
+    }
+
+
 def test_defaults_are_the_robots_own_values():
     """But for what is measured on each joint: a fresh board is not commissioned."""
     blocks = joint_blocks(load_robot("parallel").actuator, JointSetup(-math.pi / 4, math.pi / 4))
-    wanted = {
-        name: getattr(block, name)
-        for block in (blocks.loop_settings, blocks.settings)
-        for name, _ in type(block).FIELDS
-    }
+    wanted = values_of(blocks)
     assert {p.name: p.default for p in parameters.load() if p.name in wanted} == wanted
     assert len(blocks.stored()) == table.PARAMETERS - table.PARAMETER_CURRENT_KP
 
@@ -205,9 +208,7 @@ def test_the_robots_own_values_are_within_the_limits():
     joints = [(kind, pair) for leg in range(4) for kind, pair in enumerate(robot.joint_limits_rad(leg))]
     for kind, (low, high) in joints:
         blocks = joint_blocks(robot.actuator, JointSetup(low, high, has_joint_encoder=kind != 1))
-        values = {
-            n: getattr(block, n) for block in (blocks.loop_settings, blocks.settings) for n, _ in type(block).FIELDS
-        }
+        values = values_of(blocks)
         values |= {f"thermistor_raw_{i}": raw for i, raw in enumerate(blocks.curve[:CURVE_POINTS])}
         values |= {f"thermistor_at_{i}": raw for i, raw in enumerate(blocks.curve[CURVE_POINTS:])}
         for name, raw in values.items():
