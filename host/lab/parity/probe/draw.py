@@ -34,6 +34,10 @@ class Dice:
         """Return 0 .. count - 1, count 1 .. 2^30 - 1."""
         return self.bits(30) % count
 
+    def choose(self, choices):
+        """Return one of some objects."""
+        return choices[self.below(len(choices))]
+
 
 class Range:
     """Integers ``low .. high``: its edges first, then evenly spread and spread over the powers of two."""
@@ -59,7 +63,7 @@ class Range:
     def any(self, dice: Dice) -> int:
         way = dice.bits(2)
         if way == 0:
-            return self.edges[dice.below(len(self.edges))]
+            return dice.choose(self.edges)
         if way < 3 and self.even:
             return self.low + dice.below(self.high - self.low + 1)
         value = dice.bits(30)
@@ -72,6 +76,18 @@ class Range:
                 return self.low if self.low > 0 else self.high
             value >>= 1
         return value
+
+
+# What several modules draw from.
+INT30 = Range(-(1 << 30), (1 << 30) - 1)
+HALF30 = Range(-(1 << 29), (1 << 29) - 1)
+INT16 = Range(-32768, 32767)
+BRAD = INT16
+UNIT = Range(-32767, 32767)  # Q15 of -1 .. 1, and places in lu
+SHARE = Range(0, 32767)  # Q15 of 0 .. 1, and gains
+FORCE = Range(-16383, 16383)  # Q12
+LEG = Range(0, 3)
+FLAG = Range(0, 1)
 
 
 class Digest:

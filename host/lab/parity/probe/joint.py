@@ -53,7 +53,7 @@ from .joint_robot import (
     trouble,
     wish,
 )
-from .probe import Probe
+from .probe import Probe, probe_with
 
 LOOP_SETTINGS = LoopSettings()
 BLOCKS = (LOOP, SETTINGS, STATE, IO, COMMISSION)
@@ -61,6 +61,7 @@ ROTOR = Range(0, 16383)
 SUM = Range(-(1 << 18), 1 << 18)
 CURRENT = Range(-12288, 12288)
 RATE = Range(-(1 << 18), (1 << 18) - 1)
+WAY = Range(-1023, 1023)
 SQUARE = Range(0, (1 << 19) - 1)
 OFFSET = Range(0, 65520)
 POSITION = Range(-(1 << 28), 1 << 28)
@@ -352,9 +353,7 @@ def follow_field(dice):
             LOOP.raw[phase] += (200, -60, -140)[phase]
 
 
-def _probe(source, name, *arguments, fit=live, vectors=1):
-    watch = (FIELDS, STATE, SETTINGS, COMMISSION)
-    return Probe(name, getattr(source, name), arguments, watch=watch, fit=fit, begin=begin, vectors=vectors)
+_probe = probe_with(watch=(FIELDS, STATE, SETTINGS, COMMISSION), fit=live, begin=begin)
 
 
 class Life(Probe):
@@ -454,12 +453,10 @@ PROBES = (
     _probe(swinging, "follow_rate", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(12, 13)),
     _probe(swinging, "ask_rate", SETTINGS, STATE, COMMISSION, fit=_in_phases(12, 13)),
     _probe(holding, "hold_rotor", LOOP, SETTINGS, STATE, COMMISSION, fit=_in_phases(14, 15)),
-    _probe(
-        holding, "turning_current", SETTINGS, COMMISSION, SUM, SUM, ROTOR, Range(-1023, 1023), fit=_in_phases(14, 15)
-    ),
+    _probe(holding, "turning_current", SETTINGS, COMMISSION, SUM, SUM, ROTOR, WAY, fit=_in_phases(14, 15)),
     _probe(holding, "find_flux_taken", SETTINGS, COMMISSION, fit=_in_phases(13, 14)),
     _probe(play, "follow_joint", IO, COMMISSION),
-    _probe(play, "add_play", SETTINGS, COMMISSION, Range(-1023, 1023), fit=_in_phases(14, 15)),
+    _probe(play, "add_play", SETTINGS, COMMISSION, WAY, fit=_in_phases(14, 15)),
     _probe(play, "find_play", SETTINGS, COMMISSION, fit=_in_phases(14, 15)),
     _probe(creeping, "begin_round", LOOP, SETTINGS, COMMISSION, Range(0, 3), fit=_in_phases(13, 16)),
     _probe(creeping, "creep_round", LOOP, SETTINGS, STATE, IO, COMMISSION, fit=_in_phases(14, 15)),
@@ -485,10 +482,10 @@ PROBES = (
     _probe(outer, "set_outer_gains", SETTINGS, Range(0, 1 << 18), Range(0, 20588)),
     _probe(outer, "keep_outer", SETTINGS, COMMISSION),
     _probe(outer, "restore_outer", SETTINGS, COMMISSION),
-    Probe("fill_sine", commutation.fill_sine, (LOOP,), watch=(LOOP,), ticks=False),
+    Probe(commutation, "fill_sine", LOOP, watch=(LOOP,), ticks=False),
     _probe(tick, "joint_reset", LOOP, SETTINGS, STATE, ROTOR),
     _probe(thermal, "slow_tick", SETTINGS, STATE, IO, CURVE),
     _probe(tick, "begin_commission", STATE, COMMISSION, Range(1, 2)),
     _probe(tick, "motion_tick", LOOP, SETTINGS, STATE, IO, COMMISSION, vectors=2),
-    Life("motion_tick:life", tick.motion_tick, BLOCKS, watch=(FIELDS, STATE), begin=begin, vectors=10),
+    Life(tick, "motion_tick:life", *BLOCKS, watch=(FIELDS, STATE), begin=begin, vectors=10),
 )
