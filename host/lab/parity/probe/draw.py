@@ -93,13 +93,15 @@ FLAG = Range(0, 1)
 class Digest:
     """A running check number of 30 bits: two polynomials modulo primes below 2^15.
 
-    ``row`` is for integers that are to be taken at once: most of a comparison's time goes by here.
+    ``row``, which all digests share, is for integers that are to be taken at once: most of a comparison's time goes
+    by here.
     """
+
+    row = [0] * ROW
 
     def __init__(self) -> None:
         self.a = 1
         self.b = 1
-        self.row = [0] * ROW
 
     def add(self, value: int) -> None:
         """Take one integer."""

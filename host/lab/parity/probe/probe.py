@@ -37,11 +37,11 @@ class Head:
 
     def __init__(self, values, size: int) -> None:
         self.values = values
-        fields = getattr(values, "FIELDS", None)
-        if fields is None:  # the build has made an array of it
+        self.FIELDS = getattr(values, "FIELDS", None)  # None: the build has made an array of it
+        if self.FIELDS is None:
             self.size = len(values) - size
         else:
-            self.FIELDS = fields[:-1]
+            self.FIELDS = self.FIELDS[:-1]
 
     def __getattr__(self, name: str):
         return getattr(self.values, name)
