@@ -169,13 +169,11 @@ class Probe:
         return inputs, result, [_plain(block) for block in self.watch]
 
 
-def probe_with(**usual):
+def probe_with(watch=(), fit=None, begin=None, ticks=True, vectors=1):
     """Return what makes a Probe with these options, unless it is given its own."""
 
-    def made(source, name, *arguments, **own):
-        options = dict(usual)
-        options.update(own)
-        return Probe(source, name, *arguments, **options)
+    def made(source, name, *arguments, watch=watch, fit=fit, begin=begin, ticks=ticks, vectors=vectors):
+        return Probe(source, name, *arguments, watch=watch, fit=fit, begin=begin, ticks=ticks, vectors=vectors)
 
     return made
 
