@@ -47,9 +47,9 @@ def _robot(values, dice):
 _probe = probe_with(watch=STATE, begin=_begin, fit=_soil)
 
 PROBES = (
-    _probe(balance, "setup_pid", ROBOT, 0, fit=_robot),
-    _probe(balance, "balance_setup", ROBOT, BALANCE, begin=None),
-    _probe(balance, "balance_reset", BALANCE),
-    _probe(balance, "balance_release", BALANCE, Range(0, 1000)),
-    _probe(balance, "balance_step", BALANCE, POSE, TILT, TILT, fit=_other_robot, vectors=4),
+    _probe(balance, "setup_pid", (ROBOT, 0), fit=_robot),
+    _probe(balance, "balance_setup", (ROBOT, BALANCE), begin=None),
+    _probe(balance, "balance_reset", (BALANCE,)),
+    _probe(balance, "balance_release", (BALANCE, Range(0, 1000))),
+    _probe(balance, "balance_step", (BALANCE, POSE, TILT, TILT), fit=_other_robot, vectors=4),
 )

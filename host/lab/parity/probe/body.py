@@ -24,12 +24,12 @@ def _rotate(values, dice):
 
 
 def _to_hip(name, pose, feet):
-    return Probe(body, name, ROBOT, LEG, pose, ROTATION, feet, HIP_FEET, watch=(HIP_FEET,), fit=_rotate)
+    return Probe(body, name, (ROBOT, LEG, pose, ROTATION, feet, HIP_FEET), watch=(HIP_FEET,), fit=_rotate)
 
 
 PROBES = (
-    Probe(body, "mul_unit", UNIT, UNIT),
-    Probe(body, "body_rotation", POSE, ROTATION, watch=(ROTATION,)),
+    Probe(body, "mul_unit", (UNIT, UNIT)),
+    Probe(body, "body_rotation", (POSE, ROTATION), watch=(ROTATION,)),
     _to_hip("body_to_hip", POSE, FEET),
     _to_hip("body_to_hip:near", NEAR_POSE, NEAR_FEET),
 )

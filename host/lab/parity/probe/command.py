@@ -42,10 +42,10 @@ def _begin():
 
 
 PROBES = (
-    Probe(command, "repeat_command", COMMAND, TOLD, watch=(TOLD,)),
-    Probe(command, "slew", HALF30, HALF30, Range(0, (1 << 29) - 1)),
-    Probe(command, "slew_speed_axis", SPEED22, INT30, MOST22, AXIS, MOST22),
-    Probe(command, "slew_speed", ROBOT, TABLE, COMMAND, AXIS, SPEED, watch=(SPEED,), fit=_use_gait, begin=_begin),
-    Probe(command, "is_posed", COMMAND, POSE, begin=_begin, fit=_posed),
-    Probe(command, "slew_pose", ROBOT, COMMAND, FLAG, POSE, watch=(POSE,), begin=_begin),
+    Probe(command, "repeat_command", (COMMAND, TOLD), watch=(TOLD,)),
+    Probe(command, "slew", (HALF30, HALF30, Range(0, (1 << 29) - 1))),
+    Probe(command, "slew_speed_axis", (SPEED22, INT30, MOST22, AXIS, MOST22)),
+    Probe(command, "slew_speed", (ROBOT, TABLE, COMMAND, AXIS, SPEED), watch=(SPEED,), fit=_use_gait, begin=_begin),
+    Probe(command, "is_posed", (COMMAND, POSE), begin=_begin, fit=_posed),
+    Probe(command, "slew_pose", (ROBOT, COMMAND, FLAG, POSE), watch=(POSE,), begin=_begin),
 )

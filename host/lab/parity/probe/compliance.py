@@ -13,7 +13,7 @@ FOOT = Block(Feet(), (12, UNIT))
 JOINTS = Block(zeros(12), (12, BRAD))
 
 PROBES = (
-    Probe(compliance, "torque", UNIT, FORCE),
-    Probe(compliance, "sag", Range(-262143, 262143), SHARE),
-    Probe(compliance, "sag_leg", ROBOT, LEG, FOOT, INT30, INT30, INT30, JOINTS, watch=(JOINTS.array,), vectors=2),
+    Probe(compliance, "torque", (UNIT, FORCE)),
+    Probe(compliance, "sag", (Range(-262143, 262143), SHARE)),
+    Probe(compliance, "sag_leg", (ROBOT, LEG, FOOT, INT30, INT30, INT30, JOINTS), watch=(JOINTS.array,), vectors=2),
 )

@@ -58,11 +58,11 @@ def _new_limit(values, dice):
 _probe = probe_with(watch=(BLOCK,), ticks=False)
 
 PROBES = (
-    Probe(gait, "compile_gait", Pick(*TABLES), ROBOT, ticks=False),
-    Probe(gaits, "gait_for", Pick(*gaits.GAITS), ROBOT, ticks=False),
-    _probe(gait, "time_segment", BLOCK, Range(0, 15), (), Pick(20, 50, 500), fit=_new_row),
-    _probe(gait, "share_out_advance", BLOCK, Range(0, 15), FLAG, Range(20, 40), fit=_new_share),
-    _probe(gait, "limit_speeds", BLOCK, ROBOT, fit=_new_limit),
-    _probe(gait, "share_out_swing", BLOCK, LEG, fit=_new_swing),
-    Probe(gait, "gait_clock", TABLE, CLOCK, watch=(CLOCK,), fit=any_clock),
+    Probe(gait, "compile_gait", (Pick(*TABLES), ROBOT), ticks=False),
+    Probe(gaits, "gait_for", (Pick(*gaits.GAITS), ROBOT), ticks=False),
+    _probe(gait, "time_segment", (BLOCK, Range(0, 15), (), Pick(20, 50, 500)), fit=_new_row),
+    _probe(gait, "share_out_advance", (BLOCK, Range(0, 15), FLAG, Range(20, 40)), fit=_new_share),
+    _probe(gait, "limit_speeds", (BLOCK, ROBOT), fit=_new_limit),
+    _probe(gait, "share_out_swing", (BLOCK, LEG), fit=_new_swing),
+    Probe(gait, "gait_clock", (TABLE, CLOCK), watch=(CLOCK,), fit=any_clock),
 )

@@ -55,9 +55,9 @@ def _begin():
 _taking = probe_with(watch=(BELIEVED, PAST), begin=_begin)
 
 PROBES = (
-    Probe(goals, "follow_goals", ROBOT, WANTED, JOINTS, watch=(JOINTS.array,)),
-    Probe(goals, "follow_leg", ROBOT, WANTED, JOINTS, LEG, watch=(JOINTS.array,), fit=_one_leg),
-    Probe(goals, "joints_near", ROBOT, READINGS, JOINTS, fit=_joints_close),
-    _taking(goals, "believe", SET, COUNT, STEP, BELIEVED, PAST, fit=_near_or_not),
-    _taking(goals, "believe_again", SET, COUNT, STEP, BELIEVED, PAST, fit=_known),
+    Probe(goals, "follow_goals", (ROBOT, WANTED, JOINTS), watch=(JOINTS.array,)),
+    Probe(goals, "follow_leg", (ROBOT, WANTED, JOINTS, LEG), watch=(JOINTS.array,), fit=_one_leg),
+    Probe(goals, "joints_near", (ROBOT, READINGS, JOINTS), fit=_joints_close),
+    _taking(goals, "believe", (SET, COUNT, STEP, BELIEVED, PAST), fit=_near_or_not),
+    _taking(goals, "believe_again", (SET, COUNT, STEP, BELIEVED, PAST), fit=_known),
 )

@@ -28,9 +28,9 @@ def _begin():
 
 
 PROBES = (
-    Probe(leg, "leg_forward", ROBOT, LEG, ANY_ANGLES, FEET, watch=(FEET,)),
-    Probe(leg, "leg_inverse", ROBOT, LEG, ANY_FEET, JOINTS, watch=(JOINTS,), fit=_bring_into_reach, vectors=4),
-    Probe(leg, "plane_length", ROBOT, LEG, ANY_FEET),
-    Probe(leg, "limit_legs", ROBOT, ANGLES, FLAGS, watch=(ANGLES.array, FLAGS), begin=_begin),
-    Probe(leg, "limit_leg", ROBOT, LEG, ANGLES, watch=(ANGLES.array,)),
+    Probe(leg, "leg_forward", (ROBOT, LEG, ANY_ANGLES, FEET), watch=(FEET,)),
+    Probe(leg, "leg_inverse", (ROBOT, LEG, ANY_FEET, JOINTS), watch=(JOINTS,), fit=_bring_into_reach, vectors=4),
+    Probe(leg, "plane_length", (ROBOT, LEG, ANY_FEET)),
+    Probe(leg, "limit_legs", (ROBOT, ANGLES, FLAGS), watch=(ANGLES.array, FLAGS), begin=_begin),
+    Probe(leg, "limit_leg", (ROBOT, LEG, ANGLES), watch=(ANGLES.array,)),
 )

@@ -31,10 +31,10 @@ def _solved(values, dice):
 
 
 PROBES = (
-    Probe(legs, "legs_waves", ANY_ANGLES, WAVES, watch=(WAVES,)),
-    Probe(legs, "legs_forward", ROBOT, ANY_ANGLES, WAVES, FEET, watch=(FEET, WAVES)),
-    Probe(legs, "legs_inverse", ROBOT, ANY_FEET, WORK, JOINTS, watch=(JOINTS, FEET_LEFT), vectors=4),
-    Probe(legs, "reach_feet", ROBOT, ANY_FEET, SQUARES, watch=(FEET_LEFT, SQUARES), begin=_begin),
-    Probe(legs, "fill_turns", ROBOT, ANY_FEET, WORK, watch=(WORK.turns,), fit=_solved, begin=_begin),
-    Probe(legs, "finish_turns", ROBOT, WORK, JOINTS, watch=(JOINTS,), fit=_solved, begin=_begin),
+    Probe(legs, "legs_waves", (ANY_ANGLES, WAVES), watch=(WAVES,)),
+    Probe(legs, "legs_forward", (ROBOT, ANY_ANGLES, WAVES, FEET), watch=(FEET, WAVES)),
+    Probe(legs, "legs_inverse", (ROBOT, ANY_FEET, WORK, JOINTS), watch=(JOINTS, FEET_LEFT), vectors=4),
+    Probe(legs, "reach_feet", (ROBOT, ANY_FEET, SQUARES), watch=(FEET_LEFT, SQUARES), begin=_begin),
+    Probe(legs, "fill_turns", (ROBOT, ANY_FEET, WORK), watch=(WORK.turns,), fit=_solved, begin=_begin),
+    Probe(legs, "finish_turns", (ROBOT, WORK, JOINTS), watch=(JOINTS,), fit=_solved, begin=_begin),
 )

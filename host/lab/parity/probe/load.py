@@ -29,8 +29,8 @@ def _drawn(values, dice):
 
 
 PROBES = (
-    Probe(load, "load_share", FEET, WEIGHTS, UNIT, UNIT, FORCE, FLAG, BLOCK.array, watch=(BLOCK.array,), vectors=2),
-    Probe(load, "load_moments", FEET, WEIGHTS, FLAG, BLOCK.array, watch=(BLOCK.array,)),
-    Probe(load, "load_middle", FEET, WEIGHTS, BLOCK.array, watch=(BLOCK.array,)),
-    Probe(load, "load_slope", UNIT, UNIT, FLAG, BLOCK.array, watch=(BLOCK.array,), fit=_drawn),
+    Probe(load, "load_share", (FEET, WEIGHTS, UNIT, UNIT, FORCE, FLAG, BLOCK.array), watch=(BLOCK.array,), vectors=2),
+    Probe(load, "load_moments", (FEET, WEIGHTS, FLAG, BLOCK.array), watch=(BLOCK.array,)),
+    Probe(load, "load_middle", (FEET, WEIGHTS, BLOCK.array), watch=(BLOCK.array,)),
+    Probe(load, "load_slope", (UNIT, UNIT, FLAG, BLOCK.array), watch=(BLOCK.array,), fit=_drawn),
 )

@@ -41,6 +41,6 @@ def _soil(values, dice):
 _probe = probe_with(watch=(FIRST, SECOND), begin=_begin)
 
 PROBES = (
-    _probe(pid, "pid_reset", FLAG, fit=_soil),
-    _probe(pid, "pid_step", FLAG, SIGNAL, SIGNAL, fit=_retune),
+    _probe(pid, "pid_reset", (FLAG,), fit=_soil),
+    _probe(pid, "pid_step", (FLAG, SIGNAL, SIGNAL), fit=_retune),
 )

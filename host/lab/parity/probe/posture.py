@@ -32,7 +32,7 @@ def _order(values, dice):
 
 
 PROBES = (
-    Probe(posture, "posture_start", ROBOT, MOVE, JOINTS, GOAL, watch=(MOVE,)),
-    Probe(posture, "posture_step", MOVE, OUT, watch=(MOVE, OUT), fit=_under_way),
-    Probe(posture, "phase_of", Range(0, 1 << 28), TICKS, fit=_order),
+    Probe(posture, "posture_start", (ROBOT, MOVE, JOINTS, GOAL), watch=(MOVE,)),
+    Probe(posture, "posture_step", (MOVE, OUT), watch=(MOVE, OUT), fit=_under_way),
+    Probe(posture, "phase_of", (Range(0, 1 << 28), TICKS), fit=_order),
 )

@@ -72,9 +72,10 @@ class Probe:
 
     is_walk = False  # True: each call goes on from the one before, and what it is given answers that one
 
-    def __init__(self, source, name, *arguments, watch=(), fit=None, begin=None, ticks=True, vectors=1) -> None:
+    def __init__(self, source, name, arguments, watch=(), fit=None, begin=None, ticks=True, vectors=1) -> None:
         self.name = name
-        self.function = getattr(source, name.split(":")[0])
+        colon = name.find(":")
+        self.function = getattr(source, name if colon < 0 else name[:colon])
         self.arguments = arguments
         self.watch = watch
         self.fit = fit
@@ -172,8 +173,8 @@ class Probe:
 def probe_with(watch=(), fit=None, begin=None, ticks=True, vectors=1):
     """Return what makes a Probe with these options, unless it is given its own."""
 
-    def made(source, name, *arguments, watch=watch, fit=fit, begin=begin, ticks=ticks, vectors=vectors):
-        return Probe(source, name, *arguments, watch=watch, fit=fit, begin=begin, ticks=ticks, vectors=vectors)
+    def made(source, name, arguments, watch=watch, fit=fit, begin=begin, ticks=ticks, vectors=vectors):
+        return Probe(source, name, arguments, watch, fit, begin, ticks, vectors)
 
     return made
 

@@ -30,9 +30,9 @@ def _off_centre(values, dice):
 
 
 PROBES = (
-    Probe(reach, "scale_down", UNIT, SHARE, INT30),
-    Probe(reach, "reach_foot", ROBOT, LEG, ANYWHERE, REACHED, watch=(REACHED,)),
-    Probe(reach, "reach_foot:near", ROBOT, LEG, NEARBY, REACHED, watch=(REACHED,)),
-    Probe(reach, "leave_hip", ROBOT, LEG, LEG, WITHIN, watch=(WITHIN.array,), fit=_one_leg),
-    Probe(reach, "leave_centre", Range(0, 15000), LEG, CLOSE, watch=(CLOSE.array,), fit=_off_centre),
+    Probe(reach, "scale_down", (UNIT, SHARE, INT30)),
+    Probe(reach, "reach_foot", (ROBOT, LEG, ANYWHERE, REACHED), watch=(REACHED,)),
+    Probe(reach, "reach_foot:near", (ROBOT, LEG, NEARBY, REACHED), watch=(REACHED,)),
+    Probe(reach, "leave_hip", (ROBOT, LEG, LEG, WITHIN), watch=(WITHIN.array,), fit=_one_leg),
+    Probe(reach, "leave_centre", (Range(0, 15000), LEG, CLOSE), watch=(CLOSE.array,), fit=_off_centre),
 )

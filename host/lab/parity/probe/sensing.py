@@ -49,10 +49,10 @@ def _soil(values, dice):
 _probe = probe_with(watch=(BLOCK,), begin=_begin)
 
 PROBES = (
-    _probe(sensing, "sensing_reset", BLOCK, begin=None, fit=_soil),
-    _probe(sensing, "keep_sent", BLOCK, GOALS),
-    _probe(sensing, "sense_legs", ROBOT, ANGLES, BRAD, BRAD, FEET, BLOCK, fit=_some_ticks, vectors=2),
-    _probe(sensing, "feel_forces", ROBOT, ANGLES, FEET.waves, BLOCK, fit=_forward),
-    Probe(sensing, "joint_torque", SHARE, SHARE, ANGLE18, ANGLE18),
-    _probe(sensing, "keep_feet", ANGLES, PLACES, BLOCK),
+    _probe(sensing, "sensing_reset", (BLOCK,), begin=None, fit=_soil),
+    _probe(sensing, "keep_sent", (BLOCK, GOALS)),
+    _probe(sensing, "sense_legs", (ROBOT, ANGLES, BRAD, BRAD, FEET, BLOCK), fit=_some_ticks, vectors=2),
+    _probe(sensing, "feel_forces", (ROBOT, ANGLES, FEET.waves, BLOCK), fit=_forward),
+    Probe(sensing, "joint_torque", (SHARE, SHARE, ANGLE18, ANGLE18)),
+    _probe(sensing, "keep_feet", (ANGLES, PLACES, BLOCK)),
 )

@@ -14,9 +14,9 @@ WEIGHTS = Block(zeros(4), (4, FLAG))
 POINT = Block(Spot(), (2, UNIT))
 
 PROBES = (
-    Probe(stability, "around", Range(-8, 8)),
-    Probe(stability, "next_standing", WEIGHTS, LEG),
-    Probe(stability, "edge_margin", FEET, LEG, LEG, UNIT, UNIT),
-    Probe(stability, "support_margin", FEET, WEIGHTS, UNIT, UNIT),
-    Probe(stability, "point_inside", FEET, WEIGHTS, SHARE, POINT, watch=(POINT.array,)),
+    Probe(stability, "around", (Range(-8, 8),)),
+    Probe(stability, "next_standing", (WEIGHTS, LEG)),
+    Probe(stability, "edge_margin", (FEET, LEG, LEG, UNIT, UNIT)),
+    Probe(stability, "support_margin", (FEET, WEIGHTS, UNIT, UNIT)),
+    Probe(stability, "point_inside", (FEET, WEIGHTS, SHARE, POINT), watch=(POINT.array,)),
 )

@@ -10,7 +10,7 @@ from shared.gait.table import Clock, Gait
 from .draw import LEG, Range
 from .draws import ROBOT, TABLE, TABLES, gait_of
 from .gait import any_clock, draw_clock
-from .probe import Probe
+from .probe import Probe, probe_with
 from .robots import PARAMS
 from .row import Row
 
@@ -108,18 +108,20 @@ def _near_line(values, dice):
     values[1] = rest + (values[1] >> 4)
 
 
+_placing = probe_with(watch=(STEPS, FEET))
+
 PROBES = (
-    Probe(steps, "steps_reset", ROBOT, STEPS, watch=(STEPS,), fit=_soiled),
-    Probe(steps, "steps_at_rest", ROBOT, STEPS, fit=_near_rest),
-    Probe(steps, "start_swings", TABLE, CLOCK, STEPS, watch=(STEPS,), fit=_start),
-    Probe(steps, "body_advance", TABLE, CLOCK, watch=(CLOCK,), fit=any_clock),
-    Probe(steps, "travel", SPEED_LF, TICKS_Q10, fit=_shorten_way),
-    Probe(steps, "turned_travel", Range(-16383, 16383), ARM, TICKS_Q10, fit=_shorten_turn),
-    Probe(steps, "move_feet", STEPS, SPEED, PEAK, watch=(STEPS,), fit=_moving),
-    Probe(steps, "place_feet", ROBOT, TABLE, STEPS, SPEED, HEIGHT, FEET, watch=(STEPS, FEET), fit=_walking, vectors=2),
-    Probe(steps, "swing_foot", ROBOT, TABLE, STEPS, SPEED, LEG, HEIGHT, FEET, watch=(STEPS, FEET), fit=_swinging),
-    Probe(steps, "between", ARM, ARM, SHARE),
-    Probe(steps, "between:near", ARM, ARM, SHARE, fit=_near_line),
-    Probe(steps, "foothold_x", ROBOT, LEG, SPEED, Range(0, 1 << 17), fit=_ahead),
-    Probe(steps, "foothold_y", ROBOT, LEG, SPEED, Range(0, 1 << 17), fit=_ahead),
+    Probe(steps, "steps_reset", (ROBOT, STEPS), watch=(STEPS,), fit=_soiled),
+    Probe(steps, "steps_at_rest", (ROBOT, STEPS), fit=_near_rest),
+    Probe(steps, "start_swings", (TABLE, CLOCK, STEPS), watch=(STEPS,), fit=_start),
+    Probe(steps, "body_advance", (TABLE, CLOCK), watch=(CLOCK,), fit=any_clock),
+    Probe(steps, "travel", (SPEED_LF, TICKS_Q10), fit=_shorten_way),
+    Probe(steps, "turned_travel", (Range(-16383, 16383), ARM, TICKS_Q10), fit=_shorten_turn),
+    Probe(steps, "move_feet", (STEPS, SPEED, PEAK), watch=(STEPS,), fit=_moving),
+    _placing(steps, "place_feet", (ROBOT, TABLE, STEPS, SPEED, HEIGHT, FEET), fit=_walking, vectors=2),
+    _placing(steps, "swing_foot", (ROBOT, TABLE, STEPS, SPEED, LEG, HEIGHT, FEET), fit=_swinging),
+    Probe(steps, "between", (ARM, ARM, SHARE)),
+    Probe(steps, "between:near", (ARM, ARM, SHARE), fit=_near_line),
+    Probe(steps, "foothold_x", (ROBOT, LEG, SPEED, Range(0, 1 << 17)), fit=_ahead),
+    Probe(steps, "foothold_y", (ROBOT, LEG, SPEED, Range(0, 1 << 17)), fit=_ahead),
 )

@@ -28,7 +28,7 @@ VALUES = {
 def _codec(name):
     values = VALUES[name[7:]]  # behind "encode_" or "decode_"
     block = Block(values, (size_of(values), INT30))
-    return Probe(codec, name, FRAME, block, watch=(FRAME.array, values))
+    return Probe(codec, name, (FRAME, block), watch=(FRAME.array, values))
 
 
 PROBES = tuple([_codec(name) for name in sorted(dir(codec)) if name.startswith(("encode_", "decode_"))])
