@@ -34,14 +34,6 @@ ROBOT = load_robot("caramelo")
 CARAMELO = Path(sys.executable).parent / "caramelo"
 
 
-def has_mujoco():
-    try:
-        import mujoco  # noqa: F401
-    except ModuleNotFoundError:
-        return False
-    return True
-
-
 # --- statistics
 
 
@@ -302,9 +294,9 @@ def test_table1_prints_one_object_and_writes_whole_files(run, tmp_path):
     assert "src=\"http" not in page
 
 
-@pytest.mark.skipif(not has_mujoco(), reason="MuJoCo is not installed (extra space)")
 def test_goals_print_one_object_with_a_row_for_each_case(run):
     """Sideways, turning and backwards, each at both frictions: the trot does what it is told."""
+    pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
     code, out, _ = run("experiment", "goals", "--only", "ways", "--set", "held-out", "--trials", "1", "--json")
     result = json.loads(out)
     assert (code, result["gait"], len(result["rows"])) == (0, GAIT, 3)
@@ -370,9 +362,9 @@ def test_ctrl_c_leaves_nothing_half_written(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not has_mujoco(), reason="MuJoCo is not installed (extra space)")
 def test_all_experiments_run(run, tmp_path):
     """Everything once, one trial each, in both simulators."""
+    pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
     code, out, _ = run("experiment", "all", "--gait", "paper-trot", "--trials", "1", "--jobs", "2", "--json",
                        "--out", str(tmp_path))
     assert code == 0

@@ -4,7 +4,6 @@ import json
 import sys
 
 from . import MODULES, probes
-from .draw import Digest
 
 
 def _say(answer) -> None:
@@ -59,21 +58,14 @@ def parity(module, count, walk="") -> None:
     for probe in probes(module):
         if (probe.name if probe.is_walk else "") != walk:
             continue
-        digest = Digest()
-        probe.run(probe.count(count), digest)
-        digests.append([probe.name, probe.count(count), digest.number()])
+        total = probe.count(count)
+        digests.append([probe.name, total, probe.digest(total, total)])
     _say({"digests": digests})
 
 
 def prefix(module, name, count, total) -> None:
     """Answer with the digest of the first ``count`` of ``total`` vectors of one function."""
-    probe = _find(module, name)
-    digest = Digest()
-    probe.start()
-    for index in range(count):
-        probe.draw(index, total)
-        probe.digest_result(probe.call(), digest)
-    _say({"digest": digest.number()})
+    _say({"digest": _find(module, name).digest(count, total)})
 
 
 def show(module, name, index, total) -> None:

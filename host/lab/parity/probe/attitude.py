@@ -6,25 +6,24 @@ from shared.runtime import zeros
 from shared.sense import attitude
 from shared.sense.attitude import Attitude
 
-from .draw import Range
-from .probe import Probe
+from .draw import INT16, SHARE, Range
+from .probe import Probe, probe_with
 from .robots import ATTITUDES
 
 BLOCK = Attitude()
 COUNTS = zeros(6)
-INT16 = Range(-32768, 32767)
-UNIT = Range(-(1 << 22), 1 << 22)
+Q22 = Range(-(1 << 22), 1 << 22)
 Q14 = Range(-(1 << 14), 1 << 14)
 Q28 = Range(-(1 << 29), 1 << 29)
 RATE = Range(-(1 << 15), 1 << 15)
 
 
-def _settings(source):
-    copy(source, BLOCK)
+def _settings(dice):
+    copy(dice.choose(ATTITUDES), BLOCK)
 
 
 def _begin():
-    _settings(ATTITUDES[0])
+    copy(ATTITUDES[0], BLOCK)
     BLOCK.align_ticks = 4
 
 
@@ -40,7 +39,7 @@ def _read(values, dice):
 def _run(values, dice):
     """Now and then another robot or rate, already aligned or not."""
     if dice.below(40) == 0:
-        _settings(ATTITUDES[dice.below(len(ATTITUDES))])
+        _settings(dice)
         if dice.bits(1):
             BLOCK.gathered = BLOCK.align_ticks
     _read(values, dice)
@@ -49,7 +48,7 @@ def _run(values, dice):
 def _run_aligning(values, dice):
     """Readings at rest, mostly, so that alignments end."""
     if BLOCK.gathered >= BLOCK.align_ticks:
-        _settings(ATTITUDES[dice.below(len(ATTITUDES))])
+        _settings(dice)
         BLOCK.align_ticks = 1 + dice.below(8)
     _read(values, dice)
     if dice.bits(3):
@@ -59,10 +58,10 @@ def _run_aligning(values, dice):
 
 
 def _any_gravity(values, dice):
-    _settings(ATTITUDES[dice.below(len(ATTITUDES))])
+    _settings(dice)
     BLOCK.gathered = BLOCK.align_ticks
     for axis in range(3):
-        BLOCK.gravity[axis] = UNIT.any(dice)
+        BLOCK.gravity[axis] = Q22.any(dice)
         BLOCK.still = dice.below(BLOCK.align_ticks + 1)
         BLOCK.bias[axis] = dice.bits(30) - (1 << 29)
     _read(values, dice)
@@ -77,30 +76,23 @@ def _of_a_vector(values, dice):
         values[1] >>= 1
 
 
-def _bias(values, dice):
-    _any_gravity(values, dice)
-
-
-def _moving(name, function, given=()):
-    """The probe of a function of the filter whose gravity and bias are anything; ``given``: its other arguments."""
-    return Probe(name, function, (BLOCK,) + given, watch=(BLOCK,), begin=_begin, fit=_any_gravity)
-
+_probe = probe_with(watch=(BLOCK,), begin=_begin, fit=_any_gravity)
 
 PROBES = (
-    Probe("attitude_reset", attitude.attitude_reset, (BLOCK,), watch=(BLOCK,), begin=_begin, fit=_any_gravity),
-    Probe("attitude_step", attitude.attitude_step, (BLOCK, COUNTS), watch=(BLOCK,), begin=_begin, fit=_run, vectors=4),
-    Probe("align", attitude.align, (BLOCK, COUNTS), watch=(BLOCK,), begin=_begin, fit=_run_aligning),
-    Probe("size_of", attitude.size_of, (INT16, INT16, INT16)),
-    Probe("believed", attitude.believed, (BLOCK, Range(0, 56756)), begin=_begin),
-    Probe("rate_q18", attitude.rate_q18, (BLOCK, INT16, Range(0, 2)), begin=_begin, fit=_bias),
-    _moving("turn", attitude.turn, (COUNTS,)),
-    Probe("cross", attitude.cross, (UNIT, UNIT, RATE, RATE), fit=_of_a_vector),
-    _moving("pull", attitude.pull, (COUNTS,)),
-    _moving("rests", attitude.rests, (COUNTS,)),
-    _moving("pull_axis", attitude.pull_axis, (Range(0, 2), Q14, Range(0, 32767))),
-    _moving("learn_bias", attitude.learn_bias, (Q14, Q14, Q14)),
-    _moving("learn_axis", attitude.learn_axis, (Range(0, 2), Q28)),
-    _moving("set_bias", attitude.set_bias, (Range(0, 2), Q28)),
-    _moving("normalise", attitude.normalise),
-    _moving("angles", attitude.angles),
+    _probe(attitude, "attitude_reset", (BLOCK,)),
+    _probe(attitude, "attitude_step", (BLOCK, COUNTS), fit=_run, vectors=4),
+    _probe(attitude, "align", (BLOCK, COUNTS), fit=_run_aligning),
+    Probe(attitude, "size_of", (INT16, INT16, INT16)),
+    Probe(attitude, "believed", (BLOCK, Range(0, 56756)), begin=_begin),
+    _probe(attitude, "rate_q18", (BLOCK, INT16, Range(0, 2)), watch=()),
+    _probe(attitude, "turn", (BLOCK, COUNTS)),
+    Probe(attitude, "cross", (Q22, Q22, RATE, RATE), fit=_of_a_vector),
+    _probe(attitude, "pull", (BLOCK, COUNTS)),
+    _probe(attitude, "rests", (BLOCK, COUNTS)),
+    _probe(attitude, "pull_axis", (BLOCK, Range(0, 2), Q14, SHARE)),
+    _probe(attitude, "learn_bias", (BLOCK, Q14, Q14, Q14)),
+    _probe(attitude, "learn_axis", (BLOCK, Range(0, 2), Q28)),
+    _probe(attitude, "set_bias", (BLOCK, Range(0, 2), Q28)),
+    _probe(attitude, "normalise", (BLOCK,)),
+    _probe(attitude, "angles", (BLOCK,)),
 )

@@ -6,9 +6,9 @@ from shared.body.axes import POSE_AXES, Pose
 from shared.body.balance import Balance
 from shared.num.pid import Pid
 
-from .draw import Range
-from .draws import BRAD, ROBOT
-from .probe import Block, Probe
+from .draw import BRAD, Range
+from .draws import ROBOT
+from .probe import Block, probe_with
 from .robots import PARAMS
 
 BALANCE = Balance()
@@ -36,7 +36,7 @@ def _soil(values, dice):
 
 def _other_robot(values, dice):
     if dice.below(50) == 0:
-        balance.balance_setup(PARAMS[dice.below(len(PARAMS))], BALANCE)
+        balance.balance_setup(ROBOT.any(dice), BALANCE)
 
 
 def _robot(values, dice):
@@ -44,18 +44,12 @@ def _robot(values, dice):
     values[1] = BALANCE.roll
 
 
+_probe = probe_with(watch=STATE, begin=_begin, fit=_soil)
+
 PROBES = (
-    Probe("setup_pid", balance.setup_pid, (ROBOT, 0), watch=STATE, begin=_begin, fit=_robot),
-    Probe("balance_setup", balance.balance_setup, (ROBOT, BALANCE), watch=STATE, fit=_soil),
-    Probe("balance_reset", balance.balance_reset, (BALANCE,), watch=STATE, begin=_begin, fit=_soil),
-    Probe("balance_release", balance.balance_release, (BALANCE, Range(0, 1000)), watch=STATE, begin=_begin, fit=_soil),
-    Probe(
-        "balance_step",
-        balance.balance_step,
-        (BALANCE, POSE, TILT, TILT),
-        watch=STATE,
-        begin=_begin,
-        fit=_other_robot,
-        vectors=4,
-    ),
+    _probe(balance, "setup_pid", (ROBOT, 0), fit=_robot),
+    _probe(balance, "balance_setup", (ROBOT, BALANCE), begin=None),
+    _probe(balance, "balance_reset", (BALANCE,)),
+    _probe(balance, "balance_release", (BALANCE, Range(0, 1000))),
+    _probe(balance, "balance_step", (BALANCE, POSE, TILT, TILT), fit=_other_robot, vectors=4),
 )

@@ -6,8 +6,8 @@ from shared.gait.table import Gait
 from shared.planner import command
 from shared.planner.command import Command
 
-from .draw import Range
-from .draws import HALF30, INT30, ROBOT, TABLE, gait_of
+from .draw import FLAG, HALF30, INT30, Range
+from .draws import ROBOT, TABLE, gait_of
 from .probe import Block, Probe
 from .row import clear
 
@@ -15,6 +15,7 @@ COMMAND = Block(Command(), (command.COMMAND_SIZE, INT30))
 TOLD = Command()
 MOST = Twist()
 SPEED22, MOST22 = Range(-(1 << 22), 1 << 22), Range(0, 1 << 22)
+AXIS = Range(0, 2)
 SPEED = Twist()
 POSE = Pose()
 
@@ -41,23 +42,10 @@ def _begin():
 
 
 PROBES = (
-    Probe("repeat_command", command.repeat_command, (COMMAND, TOLD), watch=(TOLD,)),
-    Probe("slew", command.slew, (HALF30, HALF30, Range(0, (1 << 29) - 1))),
-    Probe("slew_speed_axis", command.slew_speed_axis, (SPEED22, INT30, MOST22, Range(0, 2), MOST22)),
-    Probe(
-        "slew_speed",
-        command.slew_speed,
-        (ROBOT, TABLE, COMMAND, Range(0, 2), SPEED),
-        watch=(SPEED,),
-        fit=_use_gait,
-        begin=_begin,
-    ),
-    Probe("is_posed", command.is_posed, (COMMAND, POSE), begin=_begin, fit=_posed),
-    Probe(
-        "slew_pose",
-        command.slew_pose,
-        (ROBOT, COMMAND, Range(0, 1), POSE),
-        watch=(POSE,),
-        begin=_begin,
-    ),
+    Probe(command, "repeat_command", (COMMAND, TOLD), watch=(TOLD,)),
+    Probe(command, "slew", (HALF30, HALF30, Range(0, (1 << 29) - 1))),
+    Probe(command, "slew_speed_axis", (SPEED22, INT30, MOST22, AXIS, MOST22)),
+    Probe(command, "slew_speed", (ROBOT, TABLE, COMMAND, AXIS, SPEED), watch=(SPEED,), fit=_use_gait, begin=_begin),
+    Probe(command, "is_posed", (COMMAND, POSE), begin=_begin, fit=_posed),
+    Probe(command, "slew_pose", (ROBOT, COMMAND, FLAG, POSE), watch=(POSE,), begin=_begin),
 )

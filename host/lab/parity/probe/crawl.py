@@ -11,7 +11,7 @@ from shared.crawl import steps as crawl_steps
 from shared.crawl import swing as swing_leg
 from shared.crawl.state import HANG, LIFT, MOST_FOOTHOLDS, PAST_SIZE, SWING
 from shared.gait.steps import Steps
-from shared.num.filters import fraction, quintic_q15
+from shared.num import filters
 from shared.planner import handover, retreat
 from shared.planner.command import Command
 from shared.planner.handover import Fade
@@ -19,9 +19,9 @@ from shared.record import copy
 from shared.runtime import zeros
 from shared.sense.legs import MeasuredFeet, Sensing, keep_sent, sense_legs, sensing_reset
 
-from .draw import Range
-from .draws import BRAD, LEG, ROBOT
-from .probe import Probe
+from .draw import BRAD, FLAG, FORCE, LEG, UNIT, Range
+from .draws import ROBOT
+from .probe import Probe, probe_with
 from .robots import PARAMS
 from .row import Row
 
@@ -44,17 +44,15 @@ MEASURED = MeasuredFeet()
 JOINTS = zeros(12)
 GOALS = zeros(12)
 PLACE = Range(-(1 << 23), (1 << 23) - 1)
-LU = Range(-32767, 32767)
+MOVED = Range(-(1 << 23), 1 << 23)
 HIND = Range(2, 3)
-SIDE = Range(0, 1)
-SWINGS = Range(0, 1)
+NO_LEG = Range(-1, 3)
+AXIS = Range(0, 2)
 AHEAD = Range(-(1 << 20), 1 << 20)
 TICKS = Range(0, 150)
-FORCE = Range(-16383, 16383)
 SHANK = Range(-98304, 98303)
 TILT = Range(-600, 600)
 SPEED = Range(0, 200000)
-FLAG = Range(0, 1)
 SHARE = Range(0, 4096)
 PREVIOUS = Range(0, 1000)
 
@@ -162,13 +160,12 @@ def _soil(values, dice):
         SENSING.force_q12[leg] = dice.bits(14) - 8192
     CRAWL.point.x = dice.bits(15) - 16384
     CRAWL.point.y = dice.bits(15) - 16384
-    copy(PARAMS[dice.below(len(PARAMS))], OWN)
+    copy(ROBOT.any(dice), OWN)
     if dice.bits(1):
         OWN.lateral_q12 = 0
 
 
-def _stateful(module, name, *arguments):
-    return Probe(name, getattr(module, name), arguments, watch=STATE, fit=_soil)
+_stateful = probe_with(watch=STATE, fit=_soil)
 
 
 class _Walk:
@@ -242,117 +239,106 @@ def _any_retreat(values, dice):
         RETREAT_ROW[place] = dice.bits(24 if dice.bits(1) else 5)
 
 
+_backing = probe_with(watch=(RETREAT,), fit=_any_retreat)
+_walking = probe_with(begin=WALK.begin, fit=WALK.step, vectors=10)
+
 PROBES = (
-    Probe("fraction", fraction, (Range(-(1 << 25) + 1, (1 << 25) - 1), Range(0, 32768))),
-    Probe("quintic_q15", quintic_q15, (Range(-3, 1 << 29), Range(-3, 1 << 29))),
-    Probe("brake_speed", swing_leg.brake_speed, (Range(0, 1 << 29), LU)),
-    _stateful(footholds, "footholds_start", CRAWL),
-    Probe("foothold_line", footholds.foothold_line, (ROBOT, SIDE)),
-    _stateful(footholds, "foothold_add", MAP, FOOTHOLDS, SIDE),
-    Probe("foothold_keep", footholds.foothold_keep, (MAP, FOOTHOLDS, SIDE), watch=(FOOTHOLDS,), fit=_with_foothold),
-    _stateful(footholds, "follow_front_feet", CRAWL),
-    _stateful(footholds, "foothold_drop", FOOTHOLDS, SIDE),
-    _stateful(footholds, "aim", CRAWL, LEG),
-    _stateful(footholds, "aim_front", CRAWL, SIDE),
-    _stateful(footholds, "aim_hind", CRAWL, HIND),
-    _stateful(footholds, "steps_down", CRAWL, LEG),
-    _stateful(footholds, "next_foothold_x", FOOTHOLDS, HIND),
-    _stateful(contact, "take_tare", ROBOT, CONTACT, FORCE, TICKS),
-    _stateful(contact, "start_contact", CONTACT),
-    _stateful(contact, "follow_tare", ROBOT, CONTACT, FORCE, Range(0, 32768)),
-    _stateful(contact, "feel_ground", ROBOT, CONTACT, FORCE),
-    _stateful(contact, "corner_lift", CRAWL, LEG),
-    _stateful(contact, "keep_past", CONTACT, PLACE),
-    _stateful(contact, "feel_riser", CRAWL, PLACE),
-    _stateful(swing_leg, "lift_foot", ROBOT, FOOT),
-    _stateful(swing_leg, "start_swing", ROBOT, FOOT),
-    _stateful(swing_leg, "swing_foot", CRAWL),
-    _stateful(swing_leg, "lower_speed", ROBOT, FOOT),
-    _stateful(swing_leg, "lower_foot", CRAWL),
-    _stateful(crawl_map, "roll_feet", CRAWL, JOINTS),
-    _stateful(crawl_map, "foot_weight_q8", SUPPORT, LEG),
-    _stateful(crawl_map, "fit_heading", CRAWL, SENSING),
-    _stateful(crawl_map, "turn_feet", SENSING, MAP),
-    _stateful(crawl_map, "fit_body", CRAWL, SENSING),
-    _stateful(crawl_map, "follow_slips", CRAWL),
-    _stateful(crawl_map, "mean_foot", MAP, Range(0, 2)),
-    _stateful(crawl_map, "front_to_hind", MAP, Range(0, 2)),
-    _stateful(crawl_pose, "feet_pitch", ROBOT, MAP),
-    Probe("mass_ahead", crawl_pose.mass_ahead, (ROBOT, BRAD)),
-    Probe("take_feet", crawl_pose.take_feet, (CRAWL,), watch=(CRAWL.feet,), fit=_soil),
-    _stateful(crawl_pose, "mass_target", CRAWL, LEG, LU),
-    _stateful(crawl_pose, "resting_x", CRAWL),
-    _stateful(crawl_pose, "longest_leg", CRAWL, Range(-1, 3)),
-    _stateful(crawl_pose, "plan_body", CRAWL, Range(-1, 3)),
-    _stateful(crawl_pose, "start_body", CRAWL),
-    _stateful(crawl_pose, "move_ticks", ROBOT, PATH),
-    _stateful(crawl_pose, "move_body", PATH),
-    _stateful(crawl_pose, "hold_pose", CRAWL),
-    _stateful(crawl_goals, "foot_warp", SUPPORT, LEG),
-    _stateful(crawl_goals, "plan_loads", CRAWL),
-    _stateful(crawl_goals, "take_pose", CRAWL, SWINGS),
-    _stateful(crawl_goals, "foot_in_body", CRAWL, LEG, PLACE, PLACE, PLACE),
-    _stateful(crawl_goals, "place_foot", CRAWL, LEG, SWINGS),
-    _stateful(crawl_goals, "leg_goal", CRAWL, LEG, SWINGS),
-    _stateful(crawl_goals, "bridge", CRAWL, LEG, SWINGS),
-    _stateful(crawl_goals, "solve_legs", CRAWL),
-    _stateful(crawl_goals, "legs_goals", CRAWL, GOALS),
-    _stateful(crawl_steps, "enter", CRAWL, Range(0, 5)),
-    _stateful(crawl_steps, "tell", CRAWL, Range(0, 7), PLACE),
-    _stateful(crawl_steps, "start_stages", CRAWL),
-    _stateful(crawl_steps, "take_stage", CRAWL, AHEAD),
-    _stateful(crawl_steps, "swing_stage", CRAWL, LEG),
-    _stateful(crawl_steps, "plan_shift", CRAWL),
-    _stateful(crawl_steps, "over_foot", CRAWL, LEG, PLACE),
-    _stateful(crawl_steps, "shift_to", CRAWL, LEG, LU, Range(-1, 3)),
-    _stateful(crawl_steps, "shift_tick", CRAWL, LEG),
-    _stateful(crawl_steps, "match_diagonals", CRAWL, LEG),
-    _stateful(crawl_steps, "lift_off", CRAWL, LEG),
-    _stateful(crawl_steps, "swing_tick", CRAWL, LEG),
-    _stateful(crawl_steps, "hang_tick", CRAWL, LEG),
-    _stateful(crawl_steps, "lower_tick", CRAWL, LEG),
-    _stateful(crawl_steps, "lift_again", CRAWL, PLACE, PLACE),
-    _stateful(crawl_steps, "free_shin", CRAWL, LEG),
-    _stateful(crawl_steps, "touch", CRAWL, LEG, PLACE),
-    _stateful(crawl_steps, "find_ground", CRAWL, LEG),
-    _stateful(crawl_steps, "drop_front", CRAWL, SIDE),
-    _stateful(crawl_steps, "drop_hind", CRAWL, HIND),
-    _stateful(crawl_steps, "land", CRAWL, LEG),
-    _stateful(crawl_even, "note_landing", CRAWL, LEG),
-    _stateful(crawl_even, "off_even", CRAWL, LEG),
-    _stateful(crawl_even, "feet_length", MAP),
-    _stateful(crawl_even, "feet_rise", MAP),
-    _stateful(crawl_even, "expected_rise", CRAWL, AHEAD),
-    Probe("off_slope", crawl_even.off_slope, (PLACE, PLACE, Range(1, 16383), Range(-16383, 16383))),
-    _stateful(crawl, "forget", CRAWL),
-    _stateful(crawl, "start_map", CRAWL, SENSING, JOINTS, TILT, TILT),
-    _stateful(crawl, "start_support", SENSING, SUPPORT),
-    _stateful(crawl, "take_tilt", OWN, MAP, TILT, TILT),
-    _stateful(crawl, "weigh", ROBOT, SENSING, SUPPORT),
-    _stateful(crawl, "rebase", CRAWL),
-    _stateful(crawl, "move_origin", CRAWL, Range(0, 2), PLACE),
-    _stateful(crawl, "estimate", CRAWL, SENSING, JOINTS, TILT, TILT),
-    _stateful(crawl, "crawl_start", CRAWL, SENSING, JOINTS, GOALS, TILT, TILT),
-    Probe("retreat_start", retreat.retreat_start, (RETREAT,), watch=(RETREAT,), fit=_any_retreat),
-    Probe(
-        "retreat_step",
-        retreat.retreat_step,
-        (ROBOT, COMMAND, Range(-(1 << 23), 1 << 23), Range(0, 1), RETREAT, TOLD),
-        watch=(TOLD, RETREAT),
-        fit=_any_retreat,
-    ),
-    Probe("exchanges", handover.exchanges, (Range(-1, 4),)),
-    Probe("straight_on", handover.straight_on, (ROBOT, COMMAND), fit=_any_speed),
-    _stateful(crawl_even, "ground_even", EVEN),
-    Probe("fade_start", handover.fade_start, (ROBOT, FADE, JOINTS), watch=(FADE,), fit=_any_fade),
-    Probe("fade_out", handover.fade_out, (FADE, JOINTS), watch=(FADE, JOINTS), fit=_any_fade),
-    Probe(
-        "crawl_tick",
-        crawl.crawl_tick,
-        (CRAWL, SENSING, JOINTS, TILT, TILT, AHEAD, GOALS),
-        watch=(GOALS,) + STATE,
-        begin=WALK.begin,
-        fit=WALK.step,
-        vectors=10,
-    ),
+    Probe(filters, "fraction", (Range(-(1 << 25) + 1, (1 << 25) - 1), Range(0, 32768))),
+    Probe(filters, "quintic_q15", (Range(-3, 1 << 29), Range(-3, 1 << 29))),
+    Probe(swing_leg, "brake_speed", (Range(0, 1 << 29), UNIT)),
+    _stateful(footholds, "footholds_start", (CRAWL,)),
+    Probe(footholds, "foothold_line", (ROBOT, FLAG)),
+    _stateful(footholds, "foothold_add", (MAP, FOOTHOLDS, FLAG)),
+    Probe(footholds, "foothold_keep", (MAP, FOOTHOLDS, FLAG), watch=(FOOTHOLDS,), fit=_with_foothold),
+    _stateful(footholds, "follow_front_feet", (CRAWL,)),
+    _stateful(footholds, "foothold_drop", (FOOTHOLDS, FLAG)),
+    _stateful(footholds, "aim", (CRAWL, LEG)),
+    _stateful(footholds, "aim_front", (CRAWL, FLAG)),
+    _stateful(footholds, "aim_hind", (CRAWL, HIND)),
+    _stateful(footholds, "steps_down", (CRAWL, LEG)),
+    _stateful(footholds, "next_foothold_x", (FOOTHOLDS, HIND)),
+    _stateful(contact, "take_tare", (ROBOT, CONTACT, FORCE, TICKS)),
+    _stateful(contact, "start_contact", (CONTACT,)),
+    _stateful(contact, "follow_tare", (ROBOT, CONTACT, FORCE, Range(0, 32768))),
+    _stateful(contact, "feel_ground", (ROBOT, CONTACT, FORCE)),
+    _stateful(contact, "corner_lift", (CRAWL, LEG)),
+    _stateful(contact, "keep_past", (CONTACT, PLACE)),
+    _stateful(contact, "feel_riser", (CRAWL, PLACE)),
+    _stateful(swing_leg, "lift_foot", (ROBOT, FOOT)),
+    _stateful(swing_leg, "start_swing", (ROBOT, FOOT)),
+    _stateful(swing_leg, "swing_foot", (CRAWL,)),
+    _stateful(swing_leg, "lower_speed", (ROBOT, FOOT)),
+    _stateful(swing_leg, "lower_foot", (CRAWL,)),
+    _stateful(crawl_map, "roll_feet", (CRAWL, JOINTS)),
+    _stateful(crawl_map, "foot_weight_q8", (SUPPORT, LEG)),
+    _stateful(crawl_map, "fit_heading", (CRAWL, SENSING)),
+    _stateful(crawl_map, "turn_feet", (SENSING, MAP)),
+    _stateful(crawl_map, "fit_body", (CRAWL, SENSING)),
+    _stateful(crawl_map, "follow_slips", (CRAWL,)),
+    _stateful(crawl_map, "mean_foot", (MAP, AXIS)),
+    _stateful(crawl_map, "front_to_hind", (MAP, AXIS)),
+    _stateful(crawl_pose, "feet_pitch", (ROBOT, MAP)),
+    Probe(crawl_pose, "mass_ahead", (ROBOT, BRAD)),
+    Probe(crawl_pose, "take_feet", (CRAWL,), watch=(CRAWL.feet,), fit=_soil),
+    _stateful(crawl_pose, "mass_target", (CRAWL, LEG, UNIT)),
+    _stateful(crawl_pose, "resting_x", (CRAWL,)),
+    _stateful(crawl_pose, "longest_leg", (CRAWL, NO_LEG)),
+    _stateful(crawl_pose, "plan_body", (CRAWL, NO_LEG)),
+    _stateful(crawl_pose, "start_body", (CRAWL,)),
+    _stateful(crawl_pose, "move_ticks", (ROBOT, PATH)),
+    _stateful(crawl_pose, "move_body", (PATH,)),
+    _stateful(crawl_pose, "hold_pose", (CRAWL,)),
+    _stateful(crawl_goals, "foot_warp", (SUPPORT, LEG)),
+    _stateful(crawl_goals, "plan_loads", (CRAWL,)),
+    _stateful(crawl_goals, "take_pose", (CRAWL, FLAG)),
+    _stateful(crawl_goals, "foot_in_body", (CRAWL, LEG, PLACE, PLACE, PLACE)),
+    _stateful(crawl_goals, "place_foot", (CRAWL, LEG, FLAG)),
+    _stateful(crawl_goals, "leg_goal", (CRAWL, LEG, FLAG)),
+    _stateful(crawl_goals, "bridge", (CRAWL, LEG, FLAG)),
+    _stateful(crawl_goals, "solve_legs", (CRAWL,)),
+    _stateful(crawl_goals, "legs_goals", (CRAWL, GOALS)),
+    _stateful(crawl_steps, "enter", (CRAWL, Range(0, 5))),
+    _stateful(crawl_steps, "tell", (CRAWL, Range(0, 7), PLACE)),
+    _stateful(crawl_steps, "start_stages", (CRAWL,)),
+    _stateful(crawl_steps, "take_stage", (CRAWL, AHEAD)),
+    _stateful(crawl_steps, "swing_stage", (CRAWL, LEG)),
+    _stateful(crawl_steps, "plan_shift", (CRAWL,)),
+    _stateful(crawl_steps, "over_foot", (CRAWL, LEG, PLACE)),
+    _stateful(crawl_steps, "shift_to", (CRAWL, LEG, UNIT, NO_LEG)),
+    _stateful(crawl_steps, "shift_tick", (CRAWL, LEG)),
+    _stateful(crawl_steps, "match_diagonals", (CRAWL, LEG)),
+    _stateful(crawl_steps, "lift_off", (CRAWL, LEG)),
+    _stateful(crawl_steps, "swing_tick", (CRAWL, LEG)),
+    _stateful(crawl_steps, "hang_tick", (CRAWL, LEG)),
+    _stateful(crawl_steps, "lower_tick", (CRAWL, LEG)),
+    _stateful(crawl_steps, "lift_again", (CRAWL, PLACE, PLACE)),
+    _stateful(crawl_steps, "free_shin", (CRAWL, LEG)),
+    _stateful(crawl_steps, "touch", (CRAWL, LEG, PLACE)),
+    _stateful(crawl_steps, "find_ground", (CRAWL, LEG)),
+    _stateful(crawl_steps, "drop_front", (CRAWL, FLAG)),
+    _stateful(crawl_steps, "drop_hind", (CRAWL, HIND)),
+    _stateful(crawl_steps, "land", (CRAWL, LEG)),
+    _stateful(crawl_even, "note_landing", (CRAWL, LEG)),
+    _stateful(crawl_even, "off_even", (CRAWL, LEG)),
+    _stateful(crawl_even, "feet_length", (MAP,)),
+    _stateful(crawl_even, "feet_rise", (MAP,)),
+    _stateful(crawl_even, "expected_rise", (CRAWL, AHEAD)),
+    Probe(crawl_even, "off_slope", (PLACE, PLACE, Range(1, 16383), FORCE)),
+    _stateful(crawl, "forget", (CRAWL,)),
+    _stateful(crawl, "start_map", (CRAWL, SENSING, JOINTS, TILT, TILT)),
+    _stateful(crawl, "start_support", (SENSING, SUPPORT)),
+    _stateful(crawl, "take_tilt", (OWN, MAP, TILT, TILT)),
+    _stateful(crawl, "weigh", (ROBOT, SENSING, SUPPORT)),
+    _stateful(crawl, "rebase", (CRAWL,)),
+    _stateful(crawl, "move_origin", (CRAWL, AXIS, PLACE)),
+    _stateful(crawl, "estimate", (CRAWL, SENSING, JOINTS, TILT, TILT)),
+    _stateful(crawl, "crawl_start", (CRAWL, SENSING, JOINTS, GOALS, TILT, TILT)),
+    _backing(retreat, "retreat_start", (RETREAT,)),
+    _backing(retreat, "retreat_step", (ROBOT, COMMAND, MOVED, FLAG, RETREAT, TOLD), watch=(TOLD, RETREAT)),
+    Probe(handover, "exchanges", (Range(-1, 4),)),
+    Probe(handover, "straight_on", (ROBOT, COMMAND), fit=_any_speed),
+    _stateful(crawl_even, "ground_even", (EVEN,)),
+    Probe(handover, "fade_start", (ROBOT, FADE, JOINTS), watch=(FADE,), fit=_any_fade),
+    Probe(handover, "fade_out", (FADE, JOINTS), watch=(FADE, JOINTS), fit=_any_fade),
+    _walking(crawl, "crawl_tick", (CRAWL, SENSING, JOINTS, TILT, TILT, AHEAD, GOALS), watch=(GOALS,) + STATE),
 )

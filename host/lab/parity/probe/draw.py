@@ -34,6 +34,10 @@ class Dice:
         """Return 0 .. count - 1, count 1 .. 2^30 - 1."""
         return self.bits(30) % count
 
+    def choose(self, choices):
+        """Return one of some objects."""
+        return choices[self.below(len(choices))]
+
 
 class Range:
     """Integers ``low .. high``: its edges first, then evenly spread and spread over the powers of two."""
@@ -59,7 +63,7 @@ class Range:
     def any(self, dice: Dice) -> int:
         way = dice.bits(2)
         if way == 0:
-            return self.edges[dice.below(len(self.edges))]
+            return dice.choose(self.edges)
         if way < 3 and self.even:
             return self.low + dice.below(self.high - self.low + 1)
         value = dice.bits(30)
@@ -74,16 +78,30 @@ class Range:
         return value
 
 
+# What several modules draw from.
+INT30 = Range(-(1 << 30), (1 << 30) - 1)
+HALF30 = Range(-(1 << 29), (1 << 29) - 1)
+INT16 = Range(-32768, 32767)
+BRAD = INT16
+UNIT = Range(-32767, 32767)  # Q15 of -1 .. 1, and places in lu
+SHARE = Range(0, 32767)  # Q15 of 0 .. 1, and gains
+FORCE = Range(-16383, 16383)  # Q12
+LEG = Range(0, 3)
+FLAG = Range(0, 1)
+
+
 class Digest:
     """A running check number of 30 bits: two polynomials modulo primes below 2^15.
 
-    ``row`` is for integers that are to be taken at once: most of a comparison's time goes by here.
+    ``row``, which all digests share, is for integers that are to be taken at once: most of a comparison's time goes
+    by here.
     """
+
+    row = [0] * ROW
 
     def __init__(self) -> None:
         self.a = 1
         self.b = 1
-        self.row = [0] * ROW
 
     def add(self, value: int) -> None:
         """Take one integer."""

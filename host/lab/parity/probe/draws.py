@@ -1,4 +1,4 @@
-"""Arguments that several modules of the core share: the robots, a leg, a foot anywhere, a gait's table."""
+"""Arguments that several modules of the core share: the robots, and a gait's table."""
 
 from shared.gait.gaits import GAITS, PAPER_TROT
 from shared.gait.table import compile_gait
@@ -7,10 +7,6 @@ from .draw import Range
 from .probe import Pick
 from .robots import PARAMS
 
-INT30 = Range(-(1 << 30), (1 << 30) - 1)
-HALF30 = Range(-(1 << 29), (1 << 29) - 1)
-BRAD = Range(-32768, 32767)
-LEG = Range(0, 3)
 ROBOT = Pick(*PARAMS)
 GAIT = Range(0, len(GAITS) - 1)
 

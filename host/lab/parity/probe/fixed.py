@@ -3,17 +3,15 @@
 from shared.num import fixed
 from shared.runtime import zeros
 
-from .draw import Range
+from .draw import INT30, UNIT, Range
 from .probe import Block, Probe
 
-INT30 = Range(-(1 << 30), (1 << 30) - 1)
 ANGLE = Range(-(1 << 30), (1 << 30) - 16385)
 SIDE = Range(1 - (1 << 30), (1 << 30) - 1)
 SIDES = Block(zeros(4), (4, SIDE))
 OTHERS = Block(zeros(4), (4, SIDE))
 SQUARES = Block(zeros(4), (4, INT30))
 RESULTS = zeros(4)
-UNIT = Range(-32767, 32767)
 
 
 def _order(values, dice) -> None:
@@ -39,19 +37,19 @@ def _near_enough(values, dice) -> None:
 
 
 PROBES = (
-    Probe("saturate", fixed.saturate, (INT30, INT30, INT30), fit=_order),
-    Probe("mul_q15", fixed.mul_q15, (INT30, Range(-32768, 32768)), fit=_keep_product),
-    Probe("sin_q15", fixed.sin_q15, (ANGLE,), vectors=8),
-    Probe("cos_q15", fixed.cos_q15, (ANGLE,), vectors=8),
-    Probe("atan2_brad18", fixed.atan2_brad18, (SIDE, SIDE), vectors=8),
-    Probe("round_brad", fixed.round_brad, (Range(4 - (1 << 30), (1 << 30) - 4),)),
-    Probe("wrap_brad", fixed.wrap_brad, (Range(-(1 << 29), 1 << 29),)),
-    Probe("atan2_brad", fixed.atan2_brad, (SIDE, SIDE), vectors=2),
-    Probe("isqrt", fixed.isqrt, (INT30,), vectors=8),
-    Probe("round_sqrt", fixed.round_sqrt, (INT30,), vectors=2),
-    Probe("hypot", fixed.hypot, (Range(1 - (1 << 29), (1 << 29) - 1), Range(1 - (1 << 29), (1 << 29) - 1)), vectors=4),
-    Probe("ratio", fixed.ratio, (Range(0, (1 << 30) - 1), Range(1, 1 << 29), Range(0, 30))),
-    Probe("fall_q15", fixed.fall_q15, (UNIT, UNIT, UNIT), fit=_near_enough),
-    Probe("round_roots", fixed.round_roots, (SQUARES, RESULTS, 4), watch=(RESULTS,), vectors=2),
-    Probe("arctans_brad18", fixed.arctans_brad18, (SIDES, OTHERS, RESULTS, 4), watch=(RESULTS,), vectors=2),
+    Probe(fixed, "saturate", (INT30, INT30, INT30), fit=_order),
+    Probe(fixed, "mul_q15", (INT30, Range(-32768, 32768)), fit=_keep_product),
+    Probe(fixed, "sin_q15", (ANGLE,), vectors=8),
+    Probe(fixed, "cos_q15", (ANGLE,), vectors=8),
+    Probe(fixed, "atan2_brad18", (SIDE, SIDE), vectors=8),
+    Probe(fixed, "round_brad", (Range(4 - (1 << 30), (1 << 30) - 4),)),
+    Probe(fixed, "wrap_brad", (Range(-(1 << 29), 1 << 29),)),
+    Probe(fixed, "atan2_brad", (SIDE, SIDE), vectors=2),
+    Probe(fixed, "isqrt", (INT30,), vectors=8),
+    Probe(fixed, "round_sqrt", (INT30,), vectors=2),
+    Probe(fixed, "hypot", (Range(1 - (1 << 29), (1 << 29) - 1), Range(1 - (1 << 29), (1 << 29) - 1)), vectors=4),
+    Probe(fixed, "ratio", (Range(0, (1 << 30) - 1), Range(1, 1 << 29), Range(0, 30))),
+    Probe(fixed, "fall_q15", (UNIT, UNIT, UNIT), fit=_near_enough),
+    Probe(fixed, "round_roots", (SQUARES, RESULTS, 4), watch=(RESULTS,), vectors=2),
+    Probe(fixed, "arctans_brad18", (SIDES, OTHERS, RESULTS, 4), watch=(RESULTS,), vectors=2),
 )

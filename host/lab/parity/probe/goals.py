@@ -4,10 +4,10 @@ from shared.planner import goals
 from shared.planner.goals import Past
 from shared.runtime import zeros
 
-from .draw import Range
-from .draws import BRAD, INT30, ROBOT
-from .probe import Block, Probe
-from .row import Row
+from .draw import BRAD, INT30, LEG, Range
+from .draws import ROBOT
+from .probe import Block, Probe, probe_with
+from .row import clear
 
 COUNT = 3
 STEP = Range(1, 32767)
@@ -17,7 +17,6 @@ READINGS = Block(zeros(12), (12, BRAD))
 SET = Block(zeros(COUNT), (COUNT, INT30))
 BELIEVED = zeros(COUNT)
 PAST = Past()
-ROW = Row(BELIEVED, PAST)
 
 
 def _near_or_not(values, dice):
@@ -49,15 +48,16 @@ def _one_leg(values, dice):
 
 
 def _begin():
-    for at in range(len(ROW)):
-        ROW[at] = 0
+    clear(BELIEVED)
+    clear(PAST)
 
 
-TAKING = (SET, COUNT, STEP, BELIEVED, PAST)
+_taking = probe_with(watch=(BELIEVED, PAST), begin=_begin)
+
 PROBES = (
-    Probe("follow_goals", goals.follow_goals, (ROBOT, WANTED, JOINTS), watch=(JOINTS.array,)),
-    Probe("follow_leg", goals.follow_leg, (ROBOT, WANTED, JOINTS, Range(0, 3)), watch=(JOINTS.array,), fit=_one_leg),
-    Probe("joints_near", goals.joints_near, (ROBOT, READINGS, JOINTS), fit=_joints_close),
-    Probe("believe", goals.believe, TAKING, watch=(BELIEVED, PAST), fit=_near_or_not, begin=_begin),
-    Probe("believe_again", goals.believe_again, TAKING, watch=(BELIEVED, PAST), fit=_known, begin=_begin),
+    Probe(goals, "follow_goals", (ROBOT, WANTED, JOINTS), watch=(JOINTS.array,)),
+    Probe(goals, "follow_leg", (ROBOT, WANTED, JOINTS, LEG), watch=(JOINTS.array,), fit=_one_leg),
+    Probe(goals, "joints_near", (ROBOT, READINGS, JOINTS), fit=_joints_close),
+    _taking(goals, "believe", (SET, COUNT, STEP, BELIEVED, PAST), fit=_near_or_not),
+    _taking(goals, "believe_again", (SET, COUNT, STEP, BELIEVED, PAST), fit=_known),
 )

@@ -4,19 +4,17 @@
 from shared.joint import cascade, encoder, faults, feed, profile, protection, report, svpwm, thermal
 from shared.joint.layout import JointState
 
-from .draw import Range
-from .draws import INT30
+from .draw import INT16, INT30, SHARE, UNIT, Range
 from .joint_robot import CURVE, SIGN
 from .probe import Probe
 
-UNIT = Range(-32767, 32767)
-INT16 = Range(-32768, 32767)
-GAIN15 = Range(0, 32767)
 GAIN14 = Range(0, 16383)
 HALF30 = Range(-(1 << 29), 1 << 29)
 ADC = Range(0, 4095)
 ACCEL = Range(0, 65535)
 RATE_MAX = Range(1, (1 << 18) - 1)
+RATE = Range(-(1 << 18) + 1, (1 << 18) - 1)
+TARGET = Range(-(1 << 28), 1 << 28)
 DISTANCE = Range(0, (1 << 29) - 1)
 STATE = JointState()
 
@@ -40,39 +38,25 @@ def _slewing(values, dice):
     STATE.profile_rate = dice.bits(19) - (1 << 18)
 
 
-def _probe(source, name, *arguments, watch=(), fit=None):
-    return Probe(name, getattr(source, name), arguments, watch=watch, fit=fit)
-
-
 PROBES = (
-    _probe(svpwm, "shape_pulse", Range(1 - (1 << 29), (1 << 29) - 1), Range(0, 300), Range(600, 16800), fit=_order),
-    _probe(faults, "damps_first", INT30),
-    _probe(feed, "bus_voltage", ADC, Range(0, 1 << 17)),
-    _probe(feed, "dead_time_voltage", UNIT, GAIN15, Range(0, 4000)),
-    _probe(encoder, "wrap_count", HALF30),
-    _probe(encoder, "position_of", INT30, Range(0, 16383), Range(0, 16383), SIGN),
-    _probe(cascade, "position_from_wire", Range(-65536, 65536), GAIN14),
-    _probe(cascade, "rate_from_wire", INT16, GAIN15),
-    _probe(cascade, "current_from_wire", INT16, GAIN15),
-    _probe(report, "position_to_wire", INT30, Range(-5, 16382)),
-    _probe(report, "report_temperature", INT30),
-    _probe(protection, "count_above", Range(0, 65535), INT30, INT30),
-    _probe(profile, "braking_rate", DISTANCE, ACCEL, RATE_MAX),
-    _probe(profile, "profile_reset", STATE, Range(-(1 << 21) + 1, (1 << 21) - 1), INT30, watch=(STATE,)),
-    _probe(
-        profile,
-        "profile_step",
-        STATE,
-        Range(-(1 << 28), 1 << 28),
-        Range(-(1 << 18) + 1, (1 << 18) - 1),
-        Range(1, 65535),
-        RATE_MAX,
-        watch=(STATE,),
-        fit=_profile,
-    ),
-    _probe(profile, "slew_rate", STATE, Range(-(1 << 19), 1 << 19), ACCEL, watch=(STATE,), fit=_slewing),
-    _probe(thermal, "thermistor_t16", CURVE, Range(-5, 4200)),
-    _probe(thermal, "mcu_t16", ADC, ADC, ADC),
-    _probe(thermal, "copper_share", INT16),
-    _probe(thermal, "scaled", Range(-(1 << 26), (1 << 26) - 1), GAIN14, Range(13, 30)),
+    Probe(svpwm, "shape_pulse", (Range(1 - (1 << 29), (1 << 29) - 1), Range(0, 300), Range(600, 16800)), fit=_order),
+    Probe(faults, "damps_first", (INT30,)),
+    Probe(feed, "bus_voltage", (ADC, Range(0, 1 << 17))),
+    Probe(feed, "dead_time_voltage", (UNIT, SHARE, Range(0, 4000))),
+    Probe(encoder, "wrap_count", (HALF30,)),
+    Probe(encoder, "position_of", (INT30, Range(0, 16383), Range(0, 16383), SIGN)),
+    Probe(cascade, "position_from_wire", (Range(-65536, 65536), GAIN14)),
+    Probe(cascade, "rate_from_wire", (INT16, SHARE)),
+    Probe(cascade, "current_from_wire", (INT16, SHARE)),
+    Probe(report, "position_to_wire", (INT30, Range(-5, 16382))),
+    Probe(report, "report_temperature", (INT30,)),
+    Probe(protection, "count_above", (Range(0, 65535), INT30, INT30)),
+    Probe(profile, "braking_rate", (DISTANCE, ACCEL, RATE_MAX)),
+    Probe(profile, "profile_reset", (STATE, Range(-(1 << 21) + 1, (1 << 21) - 1), INT30), watch=(STATE,)),
+    Probe(profile, "profile_step", (STATE, TARGET, RATE, Range(1, 65535), RATE_MAX), watch=(STATE,), fit=_profile),
+    Probe(profile, "slew_rate", (STATE, Range(-(1 << 19), 1 << 19), ACCEL), watch=(STATE,), fit=_slewing),
+    Probe(thermal, "thermistor_t16", (CURVE, Range(-5, 4200))),
+    Probe(thermal, "mcu_t16", (ADC, ADC, ADC)),
+    Probe(thermal, "copper_share", (INT16,)),
+    Probe(thermal, "scaled", (Range(-(1 << 26), (1 << 26) - 1), GAIN14, Range(13, 30))),
 )

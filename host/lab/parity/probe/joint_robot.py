@@ -11,7 +11,7 @@ from shared.joint.tick import begin_commission, joint_reset, motion_tick
 from shared.record import copy
 from shared.wire.names import MODE_COMMISSIONING, MODE_HOMING, MODE_OFF, STATE_FAULT, STATE_SWITCH_ON_DISABLED
 
-from .draw import Range
+from .draw import INT16
 from .probe import Head, Pick
 from .robots import JOINTS
 
@@ -25,7 +25,6 @@ FRESH = ((JointState(), STATE), (JointIo(), IO), (Commission(), COMMISSION))
 CURVE = JOINTS[0][2]
 SIGN = Pick(-1, 1)
 
-_WORD = Range(-32768, 32767)
 _PURPOSES = (MODE_OFF, MODE_OFF, MODE_OFF, MODE_OFF, MODE_HOMING, MODE_COMMISSIONING)
 
 
@@ -88,9 +87,9 @@ def wish(dice):
     if dice.below(8):
         IO.sequence = (IO.sequence + 1) & 0xFFFF
     if dice.below(12) == 0:
-        IO.position = _WORD.any(dice)
-        IO.velocity = _WORD.any(dice)
-        IO.current = _WORD.any(dice)
+        IO.position = INT16.any(dice)
+        IO.velocity = INT16.any(dice)
+        IO.current = INT16.any(dice)
         IO.position >>= dice.below(12)
         IO.stiffness = dice.bits(15)
         IO.damping = dice.bits(15)
@@ -100,7 +99,7 @@ def wish(dice):
         drive_clear(STATE)
     elif STATE.drive_state == STATE_SWITCH_ON_DISABLED:
         STATE.homed = 1
-        purpose = _PURPOSES[dice.below(len(_PURPOSES))]
+        purpose = dice.choose(_PURPOSES)
         if drive_arm(SETTINGS, STATE, IO, purpose) == 0 and purpose == MODE_COMMISSIONING:
             begin_commission(STATE, COMMISSION, 1 + dice.below(2))
 

@@ -6,9 +6,10 @@ from shared.body.feet import Feet
 from shared.body.reach import reach_foot
 from shared.runtime import zeros
 
-from .draw import Range
-from .draws import BRAD, LEG, ROBOT
+from .draw import BRAD, LEG, Range
+from .draws import ROBOT
 from .probe import Block, Probe
+from .row import clear
 
 ANY_ANGLES = Block(zeros(12), (12, Range(-(1 << 28), 1 << 28)))
 ANGLES = Block(zeros(12), (12, BRAD))
@@ -23,21 +24,13 @@ def _bring_into_reach(values, dice):
 
 
 def _begin():
-    for at in range(4):
-        FLAGS[at] = 0
+    clear(FLAGS)
 
 
 PROBES = (
-    Probe("leg_forward", leg.leg_forward, (ROBOT, LEG, ANY_ANGLES, FEET), watch=(FEET,)),
-    Probe(
-        "leg_inverse",
-        leg.leg_inverse,
-        (ROBOT, LEG, ANY_FEET, JOINTS),
-        watch=(JOINTS,),
-        fit=_bring_into_reach,
-        vectors=4,
-    ),
-    Probe("plane_length", leg.plane_length, (ROBOT, LEG, ANY_FEET)),
-    Probe("limit_legs", leg.limit_legs, (ROBOT, ANGLES, FLAGS), watch=(ANGLES.array, FLAGS), begin=_begin),
-    Probe("limit_leg", leg.limit_leg, (ROBOT, LEG, ANGLES), watch=(ANGLES.array,)),
+    Probe(leg, "leg_forward", (ROBOT, LEG, ANY_ANGLES, FEET), watch=(FEET,)),
+    Probe(leg, "leg_inverse", (ROBOT, LEG, ANY_FEET, JOINTS), watch=(JOINTS,), fit=_bring_into_reach, vectors=4),
+    Probe(leg, "plane_length", (ROBOT, LEG, ANY_FEET)),
+    Probe(leg, "limit_legs", (ROBOT, ANGLES, FLAGS), watch=(ANGLES.array, FLAGS), begin=_begin),
+    Probe(leg, "limit_leg", (ROBOT, LEG, ANGLES), watch=(ANGLES.array,)),
 )

@@ -7,6 +7,7 @@ from shared.runtime import zeros
 from .draw import Range
 from .draws import ROBOT
 from .probe import Block, Probe
+from .row import clear
 
 ANY_ANGLES = Block(zeros(12), (12, Range(-(1 << 28), 1 << 28)))
 ANY_FEET = Block(Feet(), (12, Range(-40000, 40000)))
@@ -21,8 +22,7 @@ HALF_WORK = (WORK.squares, WORK.drops, WORK.lengths, WORK.roots, WORK.rises, WOR
 
 def _begin():
     for block in HALF_WORK:
-        for at in range(len(block)):
-            block[at] = 0
+        clear(block)
 
 
 def _solved(values, dice):
@@ -31,10 +31,10 @@ def _solved(values, dice):
 
 
 PROBES = (
-    Probe("legs_waves", legs.legs_waves, (ANY_ANGLES, WAVES), watch=(WAVES,)),
-    Probe("legs_forward", legs.legs_forward, (ROBOT, ANY_ANGLES, WAVES, FEET), watch=(FEET, WAVES)),
-    Probe("legs_inverse", legs.legs_inverse, (ROBOT, ANY_FEET, WORK, JOINTS), watch=(JOINTS, FEET_LEFT), vectors=4),
-    Probe("reach_feet", legs.reach_feet, (ROBOT, ANY_FEET, SQUARES), watch=(FEET_LEFT, SQUARES), begin=_begin),
-    Probe("fill_turns", legs.fill_turns, (ROBOT, ANY_FEET, WORK), watch=(WORK.turns,), fit=_solved, begin=_begin),
-    Probe("finish_turns", legs.finish_turns, (ROBOT, WORK, JOINTS), watch=(JOINTS,), fit=_solved, begin=_begin),
+    Probe(legs, "legs_waves", (ANY_ANGLES, WAVES), watch=(WAVES,)),
+    Probe(legs, "legs_forward", (ROBOT, ANY_ANGLES, WAVES, FEET), watch=(FEET, WAVES)),
+    Probe(legs, "legs_inverse", (ROBOT, ANY_FEET, WORK, JOINTS), watch=(JOINTS, FEET_LEFT), vectors=4),
+    Probe(legs, "reach_feet", (ROBOT, ANY_FEET, SQUARES), watch=(FEET_LEFT, SQUARES), begin=_begin),
+    Probe(legs, "fill_turns", (ROBOT, ANY_FEET, WORK), watch=(WORK.turns,), fit=_solved, begin=_begin),
+    Probe(legs, "finish_turns", (ROBOT, WORK, JOINTS), watch=(JOINTS,), fit=_solved, begin=_begin),
 )

@@ -5,10 +5,9 @@ from shared.sense.legs import Sensing
 from shared.sense.odometry import Odometry
 from shared.sense.sensed import Sensed
 
-from .draw import Range
-from .draws import BRAD, INT30, LEG, ROBOT
-from .probe import Block, Probe
-from .robots import PARAMS
+from .draw import BRAD, FLAG, FORCE, INT30, LEG, UNIT, Range
+from .draws import ROBOT
+from .probe import Block, probe_with
 from .row import clear
 from .sensing import ANGLES
 
@@ -16,13 +15,10 @@ SENSING = Sensing()
 MEASURED = legs.MeasuredFeet()
 SENSED = Sensed()
 WAY = Odometry()
-FLAG = Range(0, 1)
 SWINGING = Range(0, 15)
-SHIFT = Range(-32767, 32767)
 TURN = Range(-32768, 32768)
 WEIGHTS = Range(253, 256)
 SLIP = Range(0, 131068)
-FORCE_Q12 = Range(-16383, 16383)
 TURNED = Block(SENSED.turned, (3, INT30))
 FAR, SUM = 0x3FFF0000, 0x3F000000
 
@@ -66,25 +62,23 @@ def _anywhere(dice):
 
 
 def _any_robot(values, dice):
-    _walk([PARAMS[dice.below(len(PARAMS))]], dice)
+    _walk([ROBOT.any(dice)], dice)
 
 
-def _probe(name, arguments, watch=(WAY,), fit=_walk, vectors=1):
-    return Probe(name, getattr(odometry, name), arguments, watch=watch, fit=fit, begin=_begin, vectors=vectors)
-
+_probe = probe_with(watch=(WAY,), fit=_walk, begin=_begin)
 
 PROBES = (
-    _probe("odometry_lost", (WAY,), fit=_any_robot),
-    _probe("odometry_restart", (WAY,), fit=_any_robot),
-    _probe("odometry_step", (ROBOT, SENSING, SENSED, SWINGING, FLAG, WAY), vectors=4),
-    _probe("weigh_feet", (ROBOT, SENSING, SWINGING, WAY)),
-    _probe("lag_plan", (ROBOT, FLAG, LEG, FORCE_Q12, WAY)),
-    _probe("bear_on", (FORCE_Q12, LEG, WAY), fit=_any_robot),
-    _probe("turn_of_body", (SENSING, TURNED), (), fit=_any_robot),
-    _probe("see_feet", (SENSING, WEIGHTS, WAY), fit=_any_robot),
-    _probe("turn_of_feet", (WAY,), (), fit=_any_robot),
-    _probe("move_on", (ROBOT, TURN, WEIGHTS, FLAG, WAY)),
-    _probe("place_body", (SHIFT, SHIFT, TURN, FLAG, WAY), fit=_any_robot),
-    _probe("count_way", (ROBOT, SHIFT, SHIFT, SLIP, WAY)),
-    _probe("odometry_spread", (ROBOT, WAY)),
+    _probe(odometry, "odometry_lost", (WAY,), fit=_any_robot),
+    _probe(odometry, "odometry_restart", (WAY,), fit=_any_robot),
+    _probe(odometry, "odometry_step", (ROBOT, SENSING, SENSED, SWINGING, FLAG, WAY), vectors=4),
+    _probe(odometry, "weigh_feet", (ROBOT, SENSING, SWINGING, WAY)),
+    _probe(odometry, "lag_plan", (ROBOT, FLAG, LEG, FORCE, WAY)),
+    _probe(odometry, "bear_on", (FORCE, LEG, WAY), fit=_any_robot),
+    _probe(odometry, "turn_of_body", (SENSING, TURNED), watch=(), fit=_any_robot),
+    _probe(odometry, "see_feet", (SENSING, WEIGHTS, WAY), fit=_any_robot),
+    _probe(odometry, "turn_of_feet", (WAY,), watch=(), fit=_any_robot),
+    _probe(odometry, "move_on", (ROBOT, TURN, WEIGHTS, FLAG, WAY)),
+    _probe(odometry, "place_body", (UNIT, UNIT, TURN, FLAG, WAY), fit=_any_robot),
+    _probe(odometry, "count_way", (ROBOT, UNIT, UNIT, SLIP, WAY)),
+    _probe(odometry, "odometry_spread", (ROBOT, WAY)),
 )

@@ -3,33 +3,29 @@
 
 from shared.num import pid
 from shared.num.pid import Pid
-from shared.record import unpack
 
-from .draw import Range
-from .probe import Probe
+from .draw import FLAG, SHARE, Range
+from .probe import probe_with
+from .row import clear
 
 FIRST = Pid()
 SECOND = Pid()
 SIGNAL = Range(-(1 << 20), 1 << 20)
-_GAIN = Range(0, 32767)
 _LIMIT = Range(0, 16383)
-_ONE = Range(0, 1)
 
 
 def _begin():
-    for one in (FIRST, SECOND):
-        unpack(one, [0] * 8)
+    clear(FIRST)
+    clear(SECOND)
 
 
 def _retune(values, dice):
-    made: Pid = FIRST
-    if values[0]:
-        made = SECOND
+    made: Pid = (FIRST, SECOND)[values[0]]
     values[0] = made
     if dice.below(16) == 0:
-        made.kp_q12 = _GAIN.any(dice)
-        made.ki_q16 = _GAIN.any(dice)
-        made.kd_q10 = _GAIN.any(dice)
+        made.kp_q12 = SHARE.any(dice)
+        made.ki_q16 = SHARE.any(dice)
+        made.kd_q10 = SHARE.any(dice)
         made.integral_max = _LIMIT.any(dice)
         made.output_max = _LIMIT.any(dice)
         pid.pid_reset(made)
@@ -42,7 +38,9 @@ def _soil(values, dice):
     made.started = 1
 
 
+_probe = probe_with(watch=(FIRST, SECOND), begin=_begin)
+
 PROBES = (
-    Probe("pid_reset", pid.pid_reset, (_ONE,), watch=(FIRST, SECOND), begin=_begin, fit=_soil),
-    Probe("pid_step", pid.pid_step, (_ONE, SIGNAL, SIGNAL), watch=(FIRST, SECOND), begin=_begin, fit=_retune),
+    _probe(pid, "pid_reset", (FLAG,), fit=_soil),
+    _probe(pid, "pid_step", (FLAG, SIGNAL, SIGNAL), fit=_retune),
 )

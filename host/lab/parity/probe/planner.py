@@ -20,9 +20,9 @@ from shared.planner.planner import Planner
 from shared.runtime import zeros
 from shared.sense.sensed import Sensed
 
-from .draw import Range
-from .draws import BRAD, GAIT, INT30
-from .probe import Pick, Probe
+from .draw import BRAD, FLAG, INT30, SHARE, Range
+from .draws import GAIT
+from .probe import Pick, Probe, probe_with
 from .robots import PARAMS
 from .row import Row, clear
 
@@ -166,7 +166,7 @@ class Walk(Probe):
         self.length = length
         self.gait = gait
         watch = (robot.joints, robot.leg_flags, robot.status)
-        Probe.__init__(self, "tick:" + name, robot.tick, (COMMAND, SENSED), watch=watch)
+        Probe.__init__(self, robot, "tick:" + name, (COMMAND, SENSED), watch)
 
     def count(self, usual):
         return usual * self.length // USUAL
@@ -180,8 +180,7 @@ class Walk(Probe):
         VALID.tilt = 1
         VALID.joints = 1
         VALID.turned = 1
-        for joint in range(12):
-            SENSED.joints[joint] = 0
+        clear(SENSED.joints)
 
     def draw(self, index, count):
         COMMAND.mode = MODE_STAND if index % 1000 > 800 or self.robot.status.lifted else MODE_WALK
@@ -228,8 +227,7 @@ RETREATS = (ROBOTS[0].back, ROBOTS[0].retreat, ROBOTS[1].back, ROBOTS[1].retreat
 TROTS = STATE + (ROBOTS[0].trot.state, ROBOTS[0].trot.feet, ROBOTS[1].trot.state, ROBOTS[1].trot.feet)
 
 
-def _part(name, function, arguments, watch, fit=_live):
-    return Probe(name, function, arguments, watch=watch, fit=fit, begin=_restart_all)
+_part = probe_with(watch=STATE, fit=_live, begin=_restart_all)
 
 
 def _crawling(values, dice):
@@ -259,59 +257,59 @@ def _backing_off(values, dice):
 
 
 PARTS = (
-    _part("move", planner.move, (ROBOT, COMMAND, SENSED), STATE),
-    _part("walker", exchange.walker, (ROBOT,), ()),
-    _part("choose_mover", exchange.choose_mover, (ROBOT, COMMAND, SENSED), STATE),
-    _part("crawl_is_due", exchange.crawl_is_due, (ROBOT, COMMAND, SENSED), STATE + RETREATS),
-    _part("held_up_for_good", exchange.held_up_for_good, (ROBOT,), ()),
-    _part("back_off", exchange.back_off, (ROBOT,), STATE + RETREATS),
-    _part("backed_off", exchange.backed_off, (ROBOT, COMMAND, SENSED), STATE + RETREATS, _backing_off),
-    _part("change_mover", movers.change_mover, (ROBOT, ANY_MOVER), STATE),
-    _part("start_mover", movers.start_mover, (ROBOT, ANY_MOVER), STATE),
-    _part("tick_mover", movers.tick_mover, (ROBOT, COMMAND, SENSED), STATE),
-    _part("stop_mover", movers.stop_mover, (ROBOT,), STATE, _crawling),
-    _part("walk_table", walk_table.walk_table, (ROBOT, COMMAND, SENSED), STATE),
-    _part("start_trot", walk_trot.start_trot, (ROBOT,), TROTS),
-    _part("walk_trot", walk_trot.walk_trot, (ROBOT, COMMAND, SENSED), STATE + TROTS),
-    _part("follow_trot", walk_trot.follow_trot, (ROBOT, COMMAND), POSES),
-    _part("stop_trot", walk_trot.stop_trot, (ROBOT,), STATE),
-    _part("start_crawl", walk_crawl.start_crawl, (ROBOT,), STATE),
-    _part("walk_crawl", walk_crawl.walk_crawl, (ROBOT, COMMAND, SENSED), STATE, _crawling),
-    _part("crawl_on", walk_crawl.crawl_on, (ROBOT, COMMAND, SENSED, BRAD, BRAD), STATE, _crawling),
-    _part("gives_way", walk_crawl.gives_way, (ROBOT, COMMAND), STATE, _crawling),
-    _part("stop_crawl", walk_crawl.stop_crawl, (ROBOT,), STATE, _crawling),
-    _part("plan", planner.plan, (ROBOT, COMMAND, SENSED), STATE),
-    _part("choose_state", planner_states.choose_state, (ROBOT, COMMAND, SENSED), STATE),
-    _part("begin_move", planner_states.begin_move, (ROBOT, SENSED, Range(0, 1)), STATE, _live_in),
-    _part("settle", planner_states.settle, (ROBOT,), STATE + FEET),
-    _part("end_move", planner_states.end_move, (ROBOT,), STATE),
-    _part("lie_folded", planner_states.lie_folded, (ROBOT,), (ROBOTS[0].goal, ROBOTS[1].goal)),
-    _part("fold_legs", planner_states.fold_legs, (ROBOT,), FEET),
-    _part("follow_joints", planner_states.follow_joints, (ROBOT, SENSED), STATE),
-    _part("follow_command", planner_steps.follow_command, (ROBOT, COMMAND, Range(0, 2)), POSES),
-    _part("stands", planner_steps.stands, (ROBOT, Range(0, 1)), STATE + FEET),
-    _part("lift_height", planner_steps.lift_height, (ROBOT, INT30), ()),
-    _part("step_feet", planner_steps.step_feet, (ROBOT, Range(0, 32767)), STATE + FEET),
-    _part("next_cycle", planner_steps.next_cycle, (ROBOT, GAIT, Range(0, 1), Range(0, 1)), STATE),
-    _part("hold_back", planner_steps.hold_back, (ROBOT, COMMAND), POSES),
-    _part("take_senses", planner_senses.take_senses, (ROBOT, SENSED), BELIEVED),
-    _part("meet", planner_senses.meet, (ROBOT, GOAL), STATE),
-    _part("feel_legs", planner_senses.feel_legs, (ROBOT,), STATE, _live),
-    _part("follow_way", planner_senses.follow_way, (ROBOT,), STATE, _live),
-    _part("note_odd", planner_senses.note_odd, (ROBOT, Range(-1, 12)), STATE),
-    _part("watch_weight", weight.watch_weight, (ROBOT,), STATE, _live_about_to_lift),
-    _part("carried", weight.carried, (ROBOT,), STATE, _live_about_to_lift),
-    _part("ask", weight.ask, (ROBOT,), STATE, _live_about_to_lift),
-    _part("put_down", weight.put_down, (ROBOT, ANY_MODE), STATE, _live_about_to_lift),
-    _part("watch_tilt", planner_states.watch_tilt, (ROBOT, SENSED, ANY_MODE), STATE),
-    _part("wanted_gait", planner_steps.wanted_gait, (ROBOT, COMMAND), STATE),
-    _part("limit_to_both", planner_steps.limit_to_both, (ROBOT, GAIT), (ROBOTS[0].top, ROBOTS[1].top)),
-    _part("within_speed", planner_steps.within_speed, (ROBOT, GAIT), ()),
-    _part("use_gait", planner_steps.use_gait, (ROBOT, GAIT), STATE),
-    _part("pose_legs", planner_pose.pose_legs, (ROBOT, COMMAND, SENSED), STATE),
-    _part("level", planner_pose.level, (ROBOT, COMMAND, SENSED), (ROBOTS[0].posed, ROBOTS[1].posed)),
-    _part("tell_margin", planner_pose.tell_margin, (ROBOT,), STATE),
-    _part("solve_legs", planner_pose.solve_legs, (ROBOT, GOAL), (GOAL,)),
+    _part(planner, "move", (ROBOT, COMMAND, SENSED)),
+    _part(exchange, "walker", (ROBOT,), watch=()),
+    _part(exchange, "choose_mover", (ROBOT, COMMAND, SENSED)),
+    _part(exchange, "crawl_is_due", (ROBOT, COMMAND, SENSED), watch=STATE + RETREATS),
+    _part(exchange, "held_up_for_good", (ROBOT,), watch=()),
+    _part(exchange, "back_off", (ROBOT,), watch=STATE + RETREATS),
+    _part(exchange, "backed_off", (ROBOT, COMMAND, SENSED), watch=STATE + RETREATS, fit=_backing_off),
+    _part(movers, "change_mover", (ROBOT, ANY_MOVER)),
+    _part(movers, "start_mover", (ROBOT, ANY_MOVER)),
+    _part(movers, "tick_mover", (ROBOT, COMMAND, SENSED)),
+    _part(movers, "stop_mover", (ROBOT,), fit=_crawling),
+    _part(walk_table, "walk_table", (ROBOT, COMMAND, SENSED)),
+    _part(walk_trot, "start_trot", (ROBOT,), watch=TROTS),
+    _part(walk_trot, "walk_trot", (ROBOT, COMMAND, SENSED), watch=STATE + TROTS),
+    _part(walk_trot, "follow_trot", (ROBOT, COMMAND), watch=POSES),
+    _part(walk_trot, "stop_trot", (ROBOT,)),
+    _part(walk_crawl, "start_crawl", (ROBOT,)),
+    _part(walk_crawl, "walk_crawl", (ROBOT, COMMAND, SENSED), fit=_crawling),
+    _part(walk_crawl, "crawl_on", (ROBOT, COMMAND, SENSED, BRAD, BRAD), fit=_crawling),
+    _part(walk_crawl, "gives_way", (ROBOT, COMMAND), fit=_crawling),
+    _part(walk_crawl, "stop_crawl", (ROBOT,), fit=_crawling),
+    _part(planner, "plan", (ROBOT, COMMAND, SENSED)),
+    _part(planner_states, "choose_state", (ROBOT, COMMAND, SENSED)),
+    _part(planner_states, "begin_move", (ROBOT, SENSED, FLAG), fit=_live_in),
+    _part(planner_states, "settle", (ROBOT,), watch=STATE + FEET),
+    _part(planner_states, "end_move", (ROBOT,)),
+    _part(planner_states, "lie_folded", (ROBOT,), watch=(ROBOTS[0].goal, ROBOTS[1].goal)),
+    _part(planner_states, "fold_legs", (ROBOT,), watch=FEET),
+    _part(planner_states, "follow_joints", (ROBOT, SENSED)),
+    _part(planner_steps, "follow_command", (ROBOT, COMMAND, Range(0, 2)), watch=POSES),
+    _part(planner_steps, "stands", (ROBOT, FLAG), watch=STATE + FEET),
+    _part(planner_steps, "lift_height", (ROBOT, INT30), watch=()),
+    _part(planner_steps, "step_feet", (ROBOT, SHARE), watch=STATE + FEET),
+    _part(planner_steps, "next_cycle", (ROBOT, GAIT, FLAG, FLAG)),
+    _part(planner_steps, "hold_back", (ROBOT, COMMAND), watch=POSES),
+    _part(planner_senses, "take_senses", (ROBOT, SENSED), watch=BELIEVED),
+    _part(planner_senses, "meet", (ROBOT, GOAL)),
+    _part(planner_senses, "feel_legs", (ROBOT,)),
+    _part(planner_senses, "follow_way", (ROBOT,)),
+    _part(planner_senses, "note_odd", (ROBOT, Range(-1, 12))),
+    _part(weight, "watch_weight", (ROBOT,), fit=_live_about_to_lift),
+    _part(weight, "carried", (ROBOT,), fit=_live_about_to_lift),
+    _part(weight, "ask", (ROBOT,), fit=_live_about_to_lift),
+    _part(weight, "put_down", (ROBOT, ANY_MODE), fit=_live_about_to_lift),
+    _part(planner_states, "watch_tilt", (ROBOT, SENSED, ANY_MODE)),
+    _part(planner_steps, "wanted_gait", (ROBOT, COMMAND)),
+    _part(planner_steps, "limit_to_both", (ROBOT, GAIT), watch=(ROBOTS[0].top, ROBOTS[1].top)),
+    _part(planner_steps, "within_speed", (ROBOT, GAIT), watch=()),
+    _part(planner_steps, "use_gait", (ROBOT, GAIT)),
+    _part(planner_pose, "pose_legs", (ROBOT, COMMAND, SENSED)),
+    _part(planner_pose, "level", (ROBOT, COMMAND, SENSED), watch=(ROBOTS[0].posed, ROBOTS[1].posed)),
+    _part(planner_pose, "tell_margin", (ROBOT,)),
+    _part(planner_pose, "solve_legs", (ROBOT, GOAL), watch=(GOAL,)),
 )
 WALKS = tuple(
     [

@@ -5,8 +5,8 @@ from shared.planner import posture
 from shared.planner.posture import Move
 from shared.runtime import zeros
 
-from .draw import Range
-from .draws import BRAD, ROBOT
+from .draw import BRAD, Range
+from .draws import ROBOT
 from .probe import Block, Probe
 
 JOINTS = Block(zeros(12), (12, BRAD))
@@ -32,7 +32,7 @@ def _order(values, dice):
 
 
 PROBES = (
-    Probe("posture_start", posture.posture_start, (ROBOT, MOVE, JOINTS, GOAL), watch=(MOVE,)),
-    Probe("posture_step", posture.posture_step, (MOVE, OUT), watch=(MOVE, OUT), fit=_under_way),
-    Probe("phase_of", posture.phase_of, (Range(0, 1 << 28), TICKS), fit=_order),
+    Probe(posture, "posture_start", (ROBOT, MOVE, JOINTS, GOAL), watch=(MOVE,)),
+    Probe(posture, "posture_step", (MOVE, OUT), watch=(MOVE, OUT), fit=_under_way),
+    Probe(posture, "phase_of", (Range(0, 1 << 28), TICKS), fit=_order),
 )

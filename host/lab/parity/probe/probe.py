@@ -28,17 +28,20 @@ class Pick:
     def __init__(self, *choices) -> None:
         self.choices = choices
 
+    def any(self, dice: Dice):
+        return dice.choose(self.choices)
+
 
 class Head:
     """A record without its last field, ``size`` numbers that never change: to be watched without them."""
 
     def __init__(self, values, size: int) -> None:
         self.values = values
-        fields = getattr(values, "FIELDS", None)
-        if fields is None:  # the build has made an array of it
+        self.FIELDS = getattr(values, "FIELDS", None)  # None: the build has made an array of it
+        if self.FIELDS is None:
             self.size = len(values) - size
         else:
-            self.FIELDS = fields[:-1]
+            self.FIELDS = self.FIELDS[:-1]
 
     def __getattr__(self, name: str):
         return getattr(self.values, name)
@@ -56,8 +59,9 @@ class Head:
 
 
 class Probe:
-    """How to feed one function, and what is promised about it.
+    """How to feed one function of a module or object, and what is promised about it.
 
+    name: the function's, and behind a colon which of its probes this is, if it has several.
     arguments: a Range draws an integer, a Block fills its array, a Pick chooses; any other object
     is passed as it is. watch: arrays digested after every call, besides the result.
     fit(values, dice): mends drawn values that the function's contract excludes together.
@@ -68,26 +72,17 @@ class Probe:
 
     is_walk = False  # True: each call goes on from the one before, and what it is given answers that one
 
-    def __init__(
-        self,
-        name,
-        function,
-        arguments=(),
-        watch=(),
-        fit=None,
-        begin=None,
-        ticks=True,
-        vectors=1,
-    ) -> None:
+    def __init__(self, source, name, arguments, watch=(), fit=None, begin=None, ticks=True, vectors=1) -> None:
         self.name = name
-        self.function = function
+        colon = name.find(":")
+        self.function = getattr(source, name if colon < 0 else name[:colon])
         self.arguments = arguments
         self.watch = watch
         self.fit = fit
         self.begin = begin
         self.ticks = ticks
         self.vectors = vectors
-        self.values = [a if not isinstance(a, (Range, Block, Pick)) else 0 for a in arguments]
+        self.values = list(arguments)
         self.wrap = None  # a type to pass integers in, for the overflow check
         self.dice = Dice(1)
 
@@ -119,7 +114,7 @@ class Probe:
                 argument.fill(self.dice)
                 self.values[at] = argument.array
             elif isinstance(argument, Pick):
-                self.values[at] = argument.choices[self.dice.below(len(argument.choices))]
+                self.values[at] = argument.any(self.dice)
         if self.fit:
             self.fit(self.values, self.dice)
         if self.wrap:
@@ -148,20 +143,20 @@ class Probe:
             return f(v[0], v[1], v[2], v[3], v[4], v[5])
         return f(*v)
 
-    def digest_result(self, result, digest: Digest) -> None:
-        if result is None or isinstance(result, int):
-            digest.add(result or 0)
-        else:
-            _add(result, digest)
-        for block in self.watch:
-            _add(block, digest)
-
-    def run(self, count: int, digest: Digest) -> None:
-        """Digest the first ``count`` vectors."""
+    def digest(self, count: int, total: int) -> int:
+        """Return the digest of the first ``count`` of ``total`` vectors."""
+        digest = Digest()
         self.start()
         for index in range(count):
-            self.draw(index, count)
-            self.digest_result(self.call(), digest)
+            self.draw(index, total)
+            result = self.call()
+            if result is None or isinstance(result, int):
+                digest.add(result or 0)
+            else:
+                _add(result, digest)
+            for block in self.watch:
+                _add(block, digest)
+        return digest.number()
 
     def show(self, index: int, count: int):
         """Return the inputs, the result and the watched arrays of vector ``index`` of ``count``."""
@@ -173,6 +168,15 @@ class Probe:
         inputs = [_plain(value) for value in self.values]
         result = _plain(self.call())
         return inputs, result, [_plain(block) for block in self.watch]
+
+
+def probe_with(watch=(), fit=None, begin=None, ticks=True, vectors=1):
+    """Return what makes a Probe with these options, unless it is given its own."""
+
+    def made(source, name, arguments, watch=watch, fit=fit, begin=begin, ticks=ticks, vectors=vectors):
+        return Probe(source, name, arguments, watch, fit, begin, ticks, vectors)
+
+    return made
 
 
 def _add(block, digest: Digest) -> None:

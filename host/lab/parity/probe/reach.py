@@ -5,8 +5,8 @@ from shared.body import reach
 from shared.body.feet import Feet
 from shared.body.params import Params
 
-from .draw import Range
-from .draws import INT30, LEG, ROBOT
+from .draw import INT30, LEG, SHARE, UNIT, Range
+from .draws import ROBOT
 from .probe import Block, Probe
 
 ANYWHERE = Block(Feet(), (12, INT30))
@@ -14,7 +14,6 @@ NEARBY = Block(Feet(), (12, Range(-40000, 40000)))
 WITHIN = Block(Feet(), (12, Range(-18000, 18000)))
 CLOSE = Block(Feet(), (12, Range(-15000, 15000)))
 REACHED = Feet()
-SIDE = Range(-32767, 32767)
 
 
 def _one_leg(values, dice):
@@ -31,15 +30,9 @@ def _off_centre(values, dice):
 
 
 PROBES = (
-    Probe("scale_down", reach.scale_down, (SIDE, Range(0, 32767), INT30)),
-    Probe("reach_foot", reach.reach_foot, (ROBOT, LEG, ANYWHERE, REACHED), watch=(REACHED,)),
-    Probe("reach_foot:near", reach.reach_foot, (ROBOT, LEG, NEARBY, REACHED), watch=(REACHED,)),
-    Probe(
-        "leave_hip",
-        reach.leave_hip,
-        (ROBOT, LEG, LEG, WITHIN),
-        watch=(WITHIN.array,),
-        fit=_one_leg,
-    ),
-    Probe("leave_centre", reach.leave_centre, (Range(0, 15000), LEG, CLOSE), watch=(CLOSE.array,), fit=_off_centre),
+    Probe(reach, "scale_down", (UNIT, SHARE, INT30)),
+    Probe(reach, "reach_foot", (ROBOT, LEG, ANYWHERE, REACHED), watch=(REACHED,)),
+    Probe(reach, "reach_foot:near", (ROBOT, LEG, NEARBY, REACHED), watch=(REACHED,)),
+    Probe(reach, "leave_hip", (ROBOT, LEG, LEG, WITHIN), watch=(WITHIN.array,), fit=_one_leg),
+    Probe(reach, "leave_centre", (Range(0, 15000), LEG, CLOSE), watch=(CLOSE.array,), fit=_off_centre),
 )

@@ -7,9 +7,9 @@ from shared.runtime import zeros
 from shared.sense import legs as sensing
 from shared.sense.legs import MeasuredFeet, Sensing
 
-from .draw import Range
-from .draws import BRAD, ROBOT
-from .probe import Block, Probe
+from .draw import BRAD, SHARE, Range
+from .draws import ROBOT
+from .probe import Block, Probe, probe_with
 from .robots import PARAMS
 from .row import Row
 
@@ -20,7 +20,6 @@ BLOCK = Sensing()
 ROW = Row(BLOCK)
 ANGLE18 = Range(-131072, 131071)
 PLACES = Block(Feet(), (12, Range(-65534, 65534)))
-GAIN = Range(0, 32767)
 
 
 def _some_ticks(values, dice):
@@ -47,26 +46,13 @@ def _soil(values, dice):
     ROW[dice.below(len(ROW))] = 7
 
 
+_probe = probe_with(watch=(BLOCK,), begin=_begin)
+
 PROBES = (
-    Probe("sensing_reset", sensing.sensing_reset, (BLOCK,), watch=(BLOCK,), fit=_soil),
-    Probe("keep_sent", sensing.keep_sent, (BLOCK, GOALS), watch=(BLOCK,), begin=_begin),
-    Probe(
-        "sense_legs",
-        sensing.sense_legs,
-        (ROBOT, ANGLES, BRAD, BRAD, FEET, BLOCK),
-        watch=(BLOCK,),
-        fit=_some_ticks,
-        begin=_begin,
-        vectors=2,
-    ),
-    Probe(
-        "feel_forces",
-        sensing.feel_forces,
-        (ROBOT, ANGLES, FEET.waves, BLOCK),
-        watch=(BLOCK,),
-        fit=_forward,
-        begin=_begin,
-    ),
-    Probe("joint_torque", sensing.joint_torque, (GAIN, GAIN, ANGLE18, ANGLE18)),
-    Probe("keep_feet", sensing.keep_feet, (ANGLES, PLACES, BLOCK), watch=(BLOCK,), begin=_begin),
+    _probe(sensing, "sensing_reset", (BLOCK,), begin=None, fit=_soil),
+    _probe(sensing, "keep_sent", (BLOCK, GOALS)),
+    _probe(sensing, "sense_legs", (ROBOT, ANGLES, BRAD, BRAD, FEET, BLOCK), fit=_some_ticks, vectors=2),
+    _probe(sensing, "feel_forces", (ROBOT, ANGLES, FEET.waves, BLOCK), fit=_forward),
+    Probe(sensing, "joint_torque", (SHARE, SHARE, ANGLE18, ANGLE18)),
+    _probe(sensing, "keep_feet", (ANGLES, PLACES, BLOCK)),
 )

@@ -7,10 +7,11 @@ from shared.body.params import LF_BITS, Params
 from shared.gait import steps
 from shared.gait.table import Clock, Gait
 
-from .draw import Range
-from .draws import LEG, ROBOT, TABLE, TABLES, gait_of
-from .gait import draw_clock
-from .probe import Probe
+from .draw import LEG, Range
+from .draws import ROBOT, TABLE, TABLES, gait_of
+from .gait import any_clock, draw_clock
+from .probe import Probe, probe_with
+from .robots import PARAMS
 from .row import Row
 
 STEPS = steps.Steps()
@@ -57,15 +58,10 @@ def _near_rest(values, dice):
 
 
 def _start(values, dice):
-    params = ROBOT.choices[dice.below(len(ROBOT.choices))]
+    params = ROBOT.any(dice)
     values[0] = gait_of(params, values[0])
     draw_clock(values[0], CLOCK, dice)
     _draw_steps(params, dice)
-
-
-def _any_clock(values, dice):
-    values[0] = gait_of(ROBOT.choices[dice.below(len(ROBOT.choices))], values[0])
-    draw_clock(values[0], CLOCK, dice)
 
 
 def _shorten_way(values, dice):
@@ -83,7 +79,7 @@ def _shorten_turn(values, dice):
 
 
 def _moving(values, dice):
-    params = ROBOT.choices[dice.below(len(ROBOT.choices))]
+    params = ROBOT.any(dice)
     _draw_speed(gait_of(params, dice.below(len(TABLES))), dice)
     _draw_steps(params, dice)
 
@@ -106,37 +102,26 @@ def _ahead(values, dice):
 
 
 def _near_line(values, dice):
-    params: Params = ROBOT.choices[0]
+    params: Params = PARAMS[0]
     rest = params.legs[dice.bits(2)].rest.x << LF_BITS
     values[0] = rest + (values[0] >> 4)
     values[1] = rest + (values[1] >> 4)
 
 
+_placing = probe_with(watch=(STEPS, FEET))
+
 PROBES = (
-    Probe("steps_reset", steps.steps_reset, (ROBOT, STEPS), watch=(STEPS,), fit=_soiled),
-    Probe("steps_at_rest", steps.steps_at_rest, (ROBOT, STEPS), fit=_near_rest),
-    Probe("start_swings", steps.start_swings, (TABLE, CLOCK, STEPS), watch=(STEPS,), fit=_start),
-    Probe("body_advance", steps.body_advance, (TABLE, CLOCK), watch=(CLOCK,), fit=_any_clock),
-    Probe("travel", steps.travel, (SPEED_LF, TICKS_Q10), fit=_shorten_way),
-    Probe("turned_travel", steps.turned_travel, (Range(-16383, 16383), ARM, TICKS_Q10), fit=_shorten_turn),
-    Probe("move_feet", steps.move_feet, (STEPS, SPEED, PEAK), watch=(STEPS,), fit=_moving),
-    Probe(
-        "place_feet",
-        steps.place_feet,
-        (ROBOT, TABLE, STEPS, SPEED, HEIGHT, FEET),
-        watch=(STEPS, FEET),
-        fit=_walking,
-        vectors=2,
-    ),
-    Probe(
-        "swing_foot",
-        steps.swing_foot,
-        (ROBOT, TABLE, STEPS, SPEED, LEG, HEIGHT, FEET),
-        watch=(STEPS, FEET),
-        fit=_swinging,
-    ),
-    Probe("between", steps.between, (ARM, ARM, SHARE)),
-    Probe("between:near", steps.between, (ARM, ARM, SHARE), fit=_near_line),
-    Probe("foothold_x", steps.foothold_x, (ROBOT, LEG, SPEED, Range(0, 1 << 17)), fit=_ahead),
-    Probe("foothold_y", steps.foothold_y, (ROBOT, LEG, SPEED, Range(0, 1 << 17)), fit=_ahead),
+    Probe(steps, "steps_reset", (ROBOT, STEPS), watch=(STEPS,), fit=_soiled),
+    Probe(steps, "steps_at_rest", (ROBOT, STEPS), fit=_near_rest),
+    Probe(steps, "start_swings", (TABLE, CLOCK, STEPS), watch=(STEPS,), fit=_start),
+    Probe(steps, "body_advance", (TABLE, CLOCK), watch=(CLOCK,), fit=any_clock),
+    Probe(steps, "travel", (SPEED_LF, TICKS_Q10), fit=_shorten_way),
+    Probe(steps, "turned_travel", (Range(-16383, 16383), ARM, TICKS_Q10), fit=_shorten_turn),
+    Probe(steps, "move_feet", (STEPS, SPEED, PEAK), watch=(STEPS,), fit=_moving),
+    _placing(steps, "place_feet", (ROBOT, TABLE, STEPS, SPEED, HEIGHT, FEET), fit=_walking, vectors=2),
+    _placing(steps, "swing_foot", (ROBOT, TABLE, STEPS, SPEED, LEG, HEIGHT, FEET), fit=_swinging),
+    Probe(steps, "between", (ARM, ARM, SHARE)),
+    Probe(steps, "between:near", (ARM, ARM, SHARE), fit=_near_line),
+    Probe(steps, "foothold_x", (ROBOT, LEG, SPEED, Range(0, 1 << 17)), fit=_ahead),
+    Probe(steps, "foothold_y", (ROBOT, LEG, SPEED, Range(0, 1 << 17)), fit=_ahead),
 )

@@ -8,8 +8,8 @@ from .probe import Probe
 PHASE = Range(0, 65536)
 
 PROBES = (
-    Probe("swing_phase_q16", swing.swing_phase_q16, (Range(-2, 16384), Range(1, 16383), PHASE, PHASE), vectors=2),
-    Probe("swing_phase_q16:short", swing.swing_phase_q16, (Range(-2, 60), Range(1, 60), PHASE, PHASE), vectors=2),
-    Probe("cycloid_q15", swing.cycloid_q15, (PHASE,), vectors=2),
-    Probe("lift_q15", swing.lift_q15, (PHASE,), vectors=2),
+    Probe(swing, "swing_phase_q16", (Range(-2, 16384), Range(1, 16383), PHASE, PHASE), vectors=2),
+    Probe(swing, "swing_phase_q16:short", (Range(-2, 60), Range(1, 60), PHASE, PHASE), vectors=2),
+    Probe(swing, "cycloid_q15", (PHASE,), vectors=2),
+    Probe(swing, "lift_q15", (PHASE,), vectors=2),
 )

@@ -21,10 +21,10 @@ def lines(count):
 
     sys.settrace(_follow)
     from . import MODULES, probes
-    from .draw import Digest
 
     for module in MODULES:
         for probe in probes(module):
-            probe.run(probe.count(24 if probe.is_walk else count), Digest())
+            total = probe.count(24 if probe.is_walk else count)
+            probe.digest(total, total)
     sys.settrace(None)
     print("@@" + json.dumps({"lines": {name: sorted(numbers) for name, numbers in LINES.items()}}))

@@ -7,17 +7,12 @@ from shared.sense.odometry import Odometry
 from shared.sense.sensed import Sensed
 from shared.trot import clock, feel, feet, ground, lead, react, state, steer, trot
 
-from .draw import Range
-from .draws import BRAD, LEG
-from .probe import Block, Pick, Probe
+from .draw import BRAD, FLAG, INT30, LEG, SHARE, UNIT, Range
+from .draws import ROBOT
+from .probe import Block, Probe, probe_with
 from .robots import PARAMS
+from .row import clear
 
-PARTS = ("clock", "feel", "feet", "ground", "lead", "react", "state", "steer", "trot")
-
-FLAG = Range(0, 1)
-INT30 = Range(-(1 << 30), (1 << 30) - 1)
-SHARE = Range(0, 32767)
-PLACE = Range(-32767, 32767)
 SPEED18 = Range(-(1 << 18), 1 << 18)
 SPEED = Block(Twist(), (3, SPEED18))
 POSE = Block(Pose(), (3, Range(-8191, 8191)), (3, BRAD))
@@ -29,7 +24,6 @@ FEET = MeasuredFeet()
 SENSING = Sensing()
 ODOMETRY = Odometry()
 WALK = state.Trot(FEET, ODOMETRY)
-ROBOT = Pick(*PARAMS)
 LEGS_OF = (WALK.stands, WALK.met, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual_x, WALK.residual_z)
 HELD = (WALK.held, WALK.frees, WALK.jams, WALK.rows, WALK.peak, WALK.usual, WALK.short)
 STATE = (WALK.state, WALK.feet, WALK.starts) + LEGS_OF + HELD
@@ -41,14 +35,8 @@ ALL = STATE + (WALK.heights, WALK.measured, WALK.joints) + FREE + PAST
 def _begin():
     sensed = (SENSED.tilt, SENSED.joints, SENSED.turned, SENSED.valid)
     for block in ALL + (WALK.wish, WALK.hip_feet, WALK.past_stands, GOAL, SENSING, ODOMETRY) + sensed:
-        _clear(block)
+        clear(block)
     state.trot_reset(PARAMS[0], WALK)
-
-
-def _clear(block):
-    row = Block(block).row
-    for at in range(len(row)):
-        row[at] = 0
 
 
 def _sense(dice):
@@ -112,7 +100,7 @@ def _landing(values, dice):
 
 def _leg_moving(values, dice):
     """For a function without a robot in its arguments."""
-    given = [PARAMS[dice.below(len(PARAMS))], WALK, values[1]]
+    given = [ROBOT.any(dice), WALK, values[1]]
     _live(given, dice)
 
 
@@ -135,66 +123,64 @@ def _lunging(values, dice):
     WALK.state.high_left = dice.bits(1)
 
 
-def _probe(name, module, arguments, watch=STATE, fit=_live, vectors=1):
-    return Probe(name, getattr(module, name), arguments, watch=watch, fit=fit, begin=_begin, vectors=vectors)
-
+_probe = probe_with(watch=STATE, fit=_live, begin=_begin)
 
 PROBES = (
-    _probe("trot_reset", state, (ROBOT, WALK)),
-    _probe("feel", feel, (ROBOT, WALK, TURNED, FLAG), ALL),
-    _probe("see_speed", feel, (ROBOT, WALK, TURNED)),
-    _probe("free_feet", feel, (ROBOT, WALK), FREE),
-    _probe("see_residual", feel, (ROBOT, WALK), FREE + (WALK.residual_x, WALK.residual_z)),
-    _probe("steer", steer, (ROBOT, WALK, SPEED, TURNED, POSE)),
-    _probe("feel_push", steer, (ROBOT, WALK), (WALK.state,), fit=_lunging),
-    Probe("overspeed", steer.overspeed, (Range(-(1 << 19), 1 << 19), Range(-(1 << 18), 1 << 18))),
-    Probe("capture_point", steer.capture_point, (ROBOT, INT30)),
-    Probe("reach_speed", steer.reach_speed, (ROBOT, SPEED18, Range(-(1 << 22), 1 << 22), Range(-(1 << 26), 1 << 26))),
-    _probe("wait_for_feet", steer, (ROBOT, WALK, POSE)),
-    _probe("lean", steer, (ROBOT, WALK, TILT, TURNED, POSE)),
-    Probe("tilt_to_come", steer.tilt_to_come, (ROBOT, Range(-8191, 8191), INT30)),
-    Probe("turn_level", steer.turn_level, (ROBOT, BRAD)),
-    Probe("turn_along", steer.turn_along, (BRAD,)),
-    _probe("rise", steer, (ROBOT, WALK, POSE)),
-    _probe("go_on", clock, (ROBOT, WALK, FLAG)),
-    _probe("hurried_step", clock, (ROBOT, WALK), ()),
-    _probe("move_phase", clock, (ROBOT, WALK, FLAG), (WALK.state,)),
-    _probe("stand_all", clock, (WALK,), fit=_done),
-    _probe("react", react, (ROBOT, WALK, LEG), fit=_moving),
-    _probe("held_up", react, (ROBOT, WALK, LEG), fit=_moving),
-    _probe("may_be_late", react, (WALK, LEG), fit=_leg_moving),
-    _probe("count_held", react, (ROBOT, WALK, LEG), fit=_moving),
-    _probe("count_row", react, (WALK, LEG), fit=_leg_moving),
-    _probe("swing_top", react, (ROBOT, WALK, LEG), fit=_moving),
-    _probe("give_way", react, (WALK, LEG), fit=_leg_moving),
-    _probe("land", react, (ROBOT, WALK, LEG), fit=_landing),
-    _probe("meet_ground", react, (ROBOT, WALK, LEG, Range(1, 2)), fit=_moving),
-    _probe("feel_slope", ground, (ROBOT, WALK), STATE + (WALK.heights,)),
-    _probe("follow_feet", ground, (ROBOT, WALK, Range(1, 4), PLACE, PLACE, PLACE)),
-    _probe("follow_slope", ground, (ROBOT, WALK, FLAG, INT30), (WALK.state,)),
-    _probe("level_z", ground, (WALK, LEG), (), fit=_leg_moving),
-    _probe("ground_z", ground, (WALK, PLACE, PLACE), (), fit=_done),
-    _probe("follow_uneven", ground, (ROBOT, WALK, SHARE), (WALK.state,)),
-    _probe("rise_q20", ground, (WALK,), (), fit=_done),
-    _probe("climbs", ground, (ROBOT, WALK), ()),
-    _probe("lift_on", react, (ROBOT, WALK)),
-    _probe("count_high", react, (ROBOT, WALK)),
-    _probe("stand_feet", feet, (ROBOT, WALK)),
-    _probe("spare", feet, (ROBOT, WALK, LEG), fit=_moving),
-    _probe("lift_off", feet, (WALK, LEG), fit=_leg_moving),
-    Probe("cycloid_way_q15", feet.cycloid_way_q15, (SHARE,)),
-    Probe("free_way_q15", feet.free_way_q15, (ROBOT, SHARE)),
-    _probe("draw_back", feet, (ROBOT, WALK, LEG, SHARE), (WALK.feet,), fit=_moving),
-    _probe("swing_feet", feet, (ROBOT, WALK, POSE), fit=_moving_first),
-    _probe("swing_foot", feet, (ROBOT, WALK, LEG, POSE, SHARE, SHARE), fit=_moving),
-    _probe("settle_foot", feet, (WALK, LEG, Range(0, 32767), Range(-32767, 0), SHARE), fit=_leg_moving),
-    _probe("share_load", lead, (ROBOT, WALK)),
-    _probe("solve", lead, (ROBOT, WALK), (WALK.joints, WALK.hip_feet)),
-    _probe("lead", lead, (ROBOT, WALK, GOAL), (GOAL, WALK.met)),
-    _probe("slide", lead, (ROBOT, WALK, LEG, GOAL), (GOAL,)),
-    _probe("trot_start", trot, (ROBOT, WALK), (WALK.feet, WALK.joints)),
-    _probe("trot_tick", trot, (ROBOT, WALK, SENSED, SPEED, POSE, GOAL), ALL + (GOAL, WALK.flags), vectors=4),
-    _probe("forget", trot, (SENSED,), (SENSED.tilt, SENSED.turned), fit=None),
-    _probe("keep_past", trot, (WALK,), (WALK.past_x, WALK.past_z, WALK.past_stands), fit=_done),
-    _probe("trot_done", trot, (WALK,), fit=_done),
+    _probe(state, "trot_reset", (ROBOT, WALK)),
+    _probe(feel, "feel", (ROBOT, WALK, TURNED, FLAG), watch=ALL),
+    _probe(feel, "see_speed", (ROBOT, WALK, TURNED)),
+    _probe(feel, "free_feet", (ROBOT, WALK), watch=FREE),
+    _probe(feel, "see_residual", (ROBOT, WALK), watch=FREE + (WALK.residual_x, WALK.residual_z)),
+    _probe(steer, "steer", (ROBOT, WALK, SPEED, TURNED, POSE)),
+    _probe(steer, "feel_push", (ROBOT, WALK), watch=(WALK.state,), fit=_lunging),
+    Probe(steer, "overspeed", (Range(-(1 << 19), 1 << 19), SPEED18)),
+    Probe(steer, "capture_point", (ROBOT, INT30)),
+    Probe(steer, "reach_speed", (ROBOT, SPEED18, Range(-(1 << 22), 1 << 22), Range(-(1 << 26), 1 << 26))),
+    _probe(steer, "wait_for_feet", (ROBOT, WALK, POSE)),
+    _probe(steer, "lean", (ROBOT, WALK, TILT, TURNED, POSE)),
+    Probe(steer, "tilt_to_come", (ROBOT, Range(-8191, 8191), INT30)),
+    Probe(steer, "turn_level", (ROBOT, BRAD)),
+    Probe(steer, "turn_along", (BRAD,)),
+    _probe(steer, "rise", (ROBOT, WALK, POSE)),
+    _probe(clock, "go_on", (ROBOT, WALK, FLAG)),
+    _probe(clock, "hurried_step", (ROBOT, WALK), watch=()),
+    _probe(clock, "move_phase", (ROBOT, WALK, FLAG), watch=(WALK.state,)),
+    _probe(clock, "stand_all", (WALK,), fit=_done),
+    _probe(react, "react", (ROBOT, WALK, LEG), fit=_moving),
+    _probe(react, "held_up", (ROBOT, WALK, LEG), fit=_moving),
+    _probe(react, "may_be_late", (WALK, LEG), fit=_leg_moving),
+    _probe(react, "count_held", (ROBOT, WALK, LEG), fit=_moving),
+    _probe(react, "count_row", (WALK, LEG), fit=_leg_moving),
+    _probe(react, "swing_top", (ROBOT, WALK, LEG), fit=_moving),
+    _probe(react, "give_way", (WALK, LEG), fit=_leg_moving),
+    _probe(react, "land", (ROBOT, WALK, LEG), fit=_landing),
+    _probe(react, "meet_ground", (ROBOT, WALK, LEG, Range(1, 2)), fit=_moving),
+    _probe(ground, "feel_slope", (ROBOT, WALK), watch=STATE + (WALK.heights,)),
+    _probe(ground, "follow_feet", (ROBOT, WALK, Range(1, 4), UNIT, UNIT, UNIT)),
+    _probe(ground, "follow_slope", (ROBOT, WALK, FLAG, INT30), watch=(WALK.state,)),
+    _probe(ground, "level_z", (WALK, LEG), watch=(), fit=_leg_moving),
+    _probe(ground, "ground_z", (WALK, UNIT, UNIT), watch=(), fit=_done),
+    _probe(ground, "follow_uneven", (ROBOT, WALK, SHARE), watch=(WALK.state,)),
+    _probe(ground, "rise_q20", (WALK,), watch=(), fit=_done),
+    _probe(ground, "climbs", (ROBOT, WALK), watch=()),
+    _probe(react, "lift_on", (ROBOT, WALK)),
+    _probe(react, "count_high", (ROBOT, WALK)),
+    _probe(feet, "stand_feet", (ROBOT, WALK)),
+    _probe(feet, "spare", (ROBOT, WALK, LEG), fit=_moving),
+    _probe(feet, "lift_off", (WALK, LEG), fit=_leg_moving),
+    Probe(feet, "cycloid_way_q15", (SHARE,)),
+    Probe(feet, "free_way_q15", (ROBOT, SHARE)),
+    _probe(feet, "draw_back", (ROBOT, WALK, LEG, SHARE), watch=(WALK.feet,), fit=_moving),
+    _probe(feet, "swing_feet", (ROBOT, WALK, POSE), fit=_moving_first),
+    _probe(feet, "swing_foot", (ROBOT, WALK, LEG, POSE, SHARE, SHARE), fit=_moving),
+    _probe(feet, "settle_foot", (WALK, LEG, SHARE, Range(-32767, 0), SHARE), fit=_leg_moving),
+    _probe(lead, "share_load", (ROBOT, WALK)),
+    _probe(lead, "solve", (ROBOT, WALK), watch=(WALK.joints, WALK.hip_feet)),
+    _probe(lead, "lead", (ROBOT, WALK, GOAL), watch=(GOAL, WALK.met)),
+    _probe(lead, "slide", (ROBOT, WALK, LEG, GOAL), watch=(GOAL,)),
+    _probe(trot, "trot_start", (ROBOT, WALK), watch=(WALK.feet, WALK.joints)),
+    _probe(trot, "trot_tick", (ROBOT, WALK, SENSED, SPEED, POSE, GOAL), watch=ALL + (GOAL, WALK.flags), vectors=4),
+    _probe(trot, "forget", (SENSED,), watch=(SENSED.tilt, SENSED.turned), fit=None),
+    _probe(trot, "keep_past", (WALK,), watch=(WALK.past_x, WALK.past_z, WALK.past_stands), fit=_done),
+    _probe(trot, "trot_done", (WALK,), fit=_done),
 )

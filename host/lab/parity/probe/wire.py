@@ -6,9 +6,8 @@ from shared.wire import access, framing, identity, limits, receive
 from shared.wire.names import HEARTBEAT_ID, SERVICE_REQUEST_ID, SETPOINT_POSITION_ID, SYNC_ID
 from shared.wire.parameters import PARAMETERS
 
-from .draw import Range
-from .draws import INT30
-from .probe import Block, Probe
+from .draw import FLAG, INT30, Range
+from .probe import Block, Probe, probe_with
 
 PARAMETER = Range(-2, PARAMETERS + 2)
 IDENTIFIER = Range(-2, 0x801)
@@ -58,7 +57,7 @@ def _soil(values, dice):
 def _traffic(values, dice):
     """Mostly frames that concern the joint, of any bits; now and then another node or a session."""
     if dice.below(4):
-        values[1] = COMMON[dice.below(len(COMMON))]
+        values[1] = dice.choose(COMMON)
         values[3] = 8
     if dice.below(30) == 0:
         receive.link_reset(LINK, dice.below(5))
@@ -68,42 +67,31 @@ def _traffic(values, dice):
         receive.start_session(LINK, 1 + dice.below(255))
 
 
-def _probe(source, name, arguments, watch=(), begin=None, fit=None, ticks=True, vectors=1):
-    function = getattr(source, name)
-    return Probe(name, function, arguments, watch=watch, begin=begin, fit=fit, ticks=ticks, vectors=vectors)
-
+_linked = probe_with(watch=(LINK,), begin=_begin, fit=_soil)
 
 PROBES = (
-    Probe("limit_but", limits.limit_but, (INT30, INT30, INT30, INT30), fit=_order),
-    Probe("differs", limits.differs, (SMALL, SMALL)),
-    Probe("outside", limits.outside, (INT30, INT30, INT30, INT30), fit=_order),
-    _probe(access, "may_read", (PARAMETER,)),
-    _probe(access, "may_write", (PARAMETER, INT30, Range(0, 1)), vectors=2),
-    _probe(access, "is_stored", (PARAMETER,)),
-    _probe(framing, "frame_block", (IDENTIFIER,)),
-    _probe(framing, "frame_node", (IDENTIFIER,)),
-    _probe(framing, "setpoint_kind", (IDENTIFIER,)),
-    _probe(framing, "setpoint_group", (IDENTIFIER,)),
-    _probe(framing, "node_group", (Range(-1, 14),)),
-    _probe(framing, "node_slot", (Range(1, 12),)),
-    _probe(framing, "read_slot", (FRAME, Range(0, 3))),
-    _probe(framing, "sync_counter", (FRAME,)),
-    _probe(framing, "sync_session", (FRAME,)),
-    _probe(framing, "joint_filters", (PAIRS, NODE), watch=(PAIRS,)),
-    _probe(framing, "update_filters", (PAIRS, NODE, Range(0, 1)), watch=(PAIRS,)),
-    _probe(identity, "board_id", (UNIQUE,), ticks=False),
-    _probe(identity, "discover_delay_ms", (Range(0, (1 << 30) - 1), Range(0, 255)), ticks=False),
-    _probe(receive, "clear_setpoints", (LINK,), watch=(LINK,), begin=_begin, fit=_soil),
-    _probe(receive, "start_session", (LINK, Range(1, 255)), watch=(LINK,), begin=_begin, fit=_soil),
-    _probe(receive, "end_session", (LINK,), watch=(LINK,), begin=_begin, fit=_soil),
-    _probe(receive, "link_reset", (LINK, NODE), watch=(LINK,), begin=_begin, fit=_soil),
-    _probe(
-        receive,
-        "accept_frame",
-        (LINK, IDENTIFIER, FRAME, Range(0, 8)),
-        watch=(LINK,),
-        begin=_begin,
-        fit=_traffic,
-        vectors=4,
-    ),
+    Probe(limits, "limit_but", (INT30, INT30, INT30, INT30), fit=_order),
+    Probe(limits, "differs", (SMALL, SMALL)),
+    Probe(limits, "outside", (INT30, INT30, INT30, INT30), fit=_order),
+    Probe(access, "may_read", (PARAMETER,)),
+    Probe(access, "may_write", (PARAMETER, INT30, FLAG), vectors=2),
+    Probe(access, "is_stored", (PARAMETER,)),
+    Probe(framing, "frame_block", (IDENTIFIER,)),
+    Probe(framing, "frame_node", (IDENTIFIER,)),
+    Probe(framing, "setpoint_kind", (IDENTIFIER,)),
+    Probe(framing, "setpoint_group", (IDENTIFIER,)),
+    Probe(framing, "node_group", (Range(-1, 14),)),
+    Probe(framing, "node_slot", (Range(1, 12),)),
+    Probe(framing, "read_slot", (FRAME, Range(0, 3))),
+    Probe(framing, "sync_counter", (FRAME,)),
+    Probe(framing, "sync_session", (FRAME,)),
+    Probe(framing, "joint_filters", (PAIRS, NODE), watch=(PAIRS,)),
+    Probe(framing, "update_filters", (PAIRS, NODE, FLAG), watch=(PAIRS,)),
+    Probe(identity, "board_id", (UNIQUE,), ticks=False),
+    Probe(identity, "discover_delay_ms", (Range(0, (1 << 30) - 1), Range(0, 255)), ticks=False),
+    _linked(receive, "clear_setpoints", (LINK,)),
+    _linked(receive, "start_session", (LINK, Range(1, 255))),
+    _linked(receive, "end_session", (LINK,)),
+    _linked(receive, "link_reset", (LINK, NODE)),
+    _linked(receive, "accept_frame", (LINK, IDENTIFIER, FRAME, Range(0, 8)), fit=_traffic, vectors=4),
 )

@@ -5,8 +5,7 @@ from array import array
 from shared.record import size_of
 from shared.wire import codec
 
-from .draw import Range
-from .draws import INT30
+from .draw import INT30, Range
 from .probe import Block, Probe
 
 WORD = Range(0, 65535)
@@ -29,7 +28,7 @@ VALUES = {
 def _codec(name):
     values = VALUES[name[7:]]  # behind "encode_" or "decode_"
     block = Block(values, (size_of(values), INT30))
-    return Probe(name, getattr(codec, name), (FRAME, block), watch=(FRAME.array, values))
+    return Probe(codec, name, (FRAME, block), watch=(FRAME.array, values))
 
 
 PROBES = tuple([_codec(name) for name in sorted(dir(codec)) if name.startswith(("encode_", "decode_"))])
