@@ -27,7 +27,7 @@ BACKING_OFF, STANDING_STILL, CRAWL = "backing off", "standing still", "crawl"  #
 def gait_now(driver: Driver) -> str:
     """Return how the robot walks: "backing off", "trot", "crawl", or the name of a table gait."""
     status = driver.planner.status
-    if status.backs:
+    if status.backing_off:
         return BACKING_OFF
     return {MOVER_TROT: "trot", MOVER_CRAWL: CRAWL}.get(status.mover, gait_names(driver.robot)[status.gait])
 
@@ -36,7 +36,7 @@ def exchange_phase(driver: Driver) -> str:
     """Return how far the crawl has taken over from the trot: "", "backing off", "standing still" or "crawl"."""
     planner = driver.planner
     if planner.status.mover != MOVER_CRAWL:
-        return BACKING_OFF if planner.status.backs else ""
+        return BACKING_OFF if planner.status.backing_off else ""
     return STANDING_STILL if planner.crawl.stage.stage == crawl.STILL else CRAWL
 
 

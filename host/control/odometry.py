@@ -8,7 +8,7 @@ from shared.sense import odometry as core
 
 TURN = 1 << 24  # the core's heading
 FINE_RAD = 1 << 24  # of its turning speed
-DOUBT_RAD = 1 << 26
+SIGMA_RAD = 1 << 26
 
 
 @dataclass(frozen=True)
@@ -50,10 +50,11 @@ def read_odometry(params: Params, block: core.Odometry) -> Odometry:
 
 def _covariance(block: core.Odometry, unit_m: float, fine_m: float) -> tuple[float, ...]:
     """Return s s' + g g' and a^2 for x and y, as shared/sense/odometry.py has it, by rows."""
-    scaled = block.scaled.x * unit_m, block.scaled.y * unit_m, 0.0
-    astray = block.astray.x * fine_m, block.astray.y * fine_m, block.doubt_q26 / DOUBT_RAD
-    apart = [(block.apart * unit_m) ** 2] * 2 + [0.0]
+    scale_spread = block.scale_spread.x * unit_m, block.scale_spread.y * unit_m, 0.0
+    by_heading = block.heading_spread
+    heading_spread = by_heading.x * fine_m, by_heading.y * fine_m, block.heading_sigma_q26 / SIGMA_RAD
+    place_spread = [(block.place_spread * unit_m) ** 2] * 2 + [0.0]
     return tuple(
-        scaled[i] * scaled[j] + astray[i] * astray[j] + (apart[i] if i == j else 0.0)
+        scale_spread[i] * scale_spread[j] + heading_spread[i] * heading_spread[j] + (place_spread[i] if i == j else 0.0)
         for i in range(3) for j in range(3)
     )  # fmt: skip

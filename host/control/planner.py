@@ -77,7 +77,7 @@ class Driver:
         status = self.planner.status
         if not status.lifted or status.state not in (RISING, STANDING):
             return ""
-        return LET_GO if status.carries else PUT_DOWN
+        return LET_GO if status.carries_weight else PUT_DOWN
 
     @property
     def odometry(self) -> Odometry:

@@ -107,7 +107,7 @@ def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) 
     fill_crawl(params, robot)
     fill_trot(params, robot)
     if planar:
-        params.lateral_q12 = params.trot.heading_q16 = 0
+        params.lateral_q12 = params.trot.heading_kp_q16 = 0
     return params
 
 

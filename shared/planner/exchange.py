@@ -41,7 +41,7 @@ def choose_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int
     if status.state == STANDING:
         use_gait(planner, wanted)
         status.cycles = 0
-    if status.backs:
+    if status.backing_off:
         due = backed_off(planner, command, sensed)
     else:
         due = crawl_is_due(planner, command, sensed)
@@ -82,7 +82,7 @@ def crawl_is_due(planner: PlannerState, command: Command, sensed: Sensed) -> int
 def back_off(planner: PlannerState) -> None:
     """The held-up trot begins to back off, with low swings: behind it the ground is known."""
     planner.trot.state.high_left = 0
-    planner.status.backs = 1
+    planner.status.backing_off = 1
     retreat_start(planner.retreat)
 
 
@@ -95,9 +95,9 @@ def held_up_for_good(planner: PlannerState) -> int:
     walk = planner.trot
     if planner.status.mover != MOVER_TROT:
         return 0
-    if walk.rows[0] >= _HELD_IN_A_ROW or walk.rows[1] >= _HELD_IN_A_ROW:
+    if walk.held_up_in_row[0] >= _HELD_IN_A_ROW or walk.held_up_in_row[1] >= _HELD_IN_A_ROW:
         return 1
-    if walk.state.held_ticks > planner.params.rate_hz * _HELD_S:
+    if walk.state.stuck_ticks > planner.params.rate_hz * _HELD_S:
         return 1
     return 0
 
@@ -114,12 +114,13 @@ def backed_off(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     if command.mode != MODE_WALK or status.fallen or exchanges(gait.mover) == 0:
         keeps_on = 0
     if keeps_on == 0 or sensed.valid.joints == 0 or sensed.valid.tilt == 0:
-        status.backs = 0
+        status.backing_off = 0
         return 0
     standing = 0
     if status.state == STANDING:
         standing = 1
-    if retreat_step(planner.params, command, planner.trot.state.seen.x, standing, planner.retreat, planner.back):
-        status.backs = 0
+    speed = planner.trot.state.measured_speed.x
+    if retreat_step(planner.params, command, speed, standing, planner.retreat, planner.backing_command):
+        status.backing_off = 0
         return 1
     return 0

@@ -43,8 +43,8 @@ def tick_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     if status.mover == MOVER_CRAWL:
         return walk_crawl(planner, command, sensed)
     if status.mover == MOVER_TROT:
-        if status.backs:
-            walk_trot(planner, planner.back, sensed)
+        if status.backing_off:
+            walk_trot(planner, planner.backing_command, sensed)
         else:
             walk_trot(planner, command, sensed)
     else:

@@ -31,7 +31,7 @@ def pose_legs(planner: PlannerState, command: Command, sensed: Sensed) -> None:
 @hot
 def level(planner: PlannerState, command: Command, sensed: Sensed) -> None:
     """Add balance to the slewed body pose. NO_ATTITUDE if it was asked for in vain."""
-    posed = planner.posed
+    posed = planner.last_pose
     if command.balance and sensed.valid.tilt:
         roll = saturate(sensed.tilt[ROLL], -32768, 32767)
         pitch = saturate(sensed.tilt[PITCH], -32768, 32767)
@@ -54,11 +54,11 @@ def solve_legs(planner: PlannerState, joints: Ints) -> int:
     tick or two. ``status.beyond`` is set where a standing leg has flags.
     """
     status = planner.status
-    body_rotation(planner.posed, planner.rotation)
+    body_rotation(planner.last_pose, planner.rotation)
     status.beyond = 0
     together = 0
     for leg in range(LEGS):
-        body_to_hip(planner.params, leg, planner.posed, planner.rotation, planner.feet, planner.hip_feet)
+        body_to_hip(planner.params, leg, planner.last_pose, planner.rotation, planner.feet, planner.hip_feet)
         flags = 0
         highest = planner.params.legs[leg].clearance
         if planner.hip_feet.legs[leg].z > highest:

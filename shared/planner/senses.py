@@ -26,10 +26,10 @@ def take_senses(planner: PlannerState, sensed: Sensed) -> None:
     known.joints = 0
     if valid.joints:
         odd = believe(sensed.joints, JOINTS, planner.params.read_step, believed.joints, planner.joints_past)
-        if planner.status.met == 0:
+        if planner.status.joints_seen == 0:
             meet(planner, believed.joints)
         known.joints = note_odd(planner, odd)
-        planner.status.met |= known.joints
+        planner.status.joints_seen |= known.joints
     known.turned = valid.turned
     believed.turned.x = sensed.turned.x
     believed.turned.y = sensed.turned.y

@@ -31,12 +31,12 @@ class PlannerState:
         self.params = params
         self.gaits = [gait_for(entry, params) for entry in GAITS + more]
         self.gait = self.gaits[0]
-        self.top = Twist()  # the fastest command
+        self.top_speed = Twist()  # the fastest command
         self.status = Status()
         self.clock = Clock()
         self.speed = Twist()
         self.pose = Pose()
-        self.posed = Pose()
+        self.last_pose = Pose()
         self.rotation = zeros(9)
         self.steps = Steps()
         self.move = Move()
@@ -59,6 +59,6 @@ class PlannerState:
         self.crawl = Crawl(params)
         self.fade = Fade()
         self.retreat = Retreat()
-        self.back = Command()  # what the trot is told while it backs off
+        self.backing_command = Command()  # what the trot is told while it backs off
         self.status.gaits = len(self.gaits)
         balance_setup(params, self.balance)

@@ -145,16 +145,16 @@ def settle(planner: PlannerState) -> None:
     planner.speed.wz = 0
     for axis in range(POSE_AXES):
         planner.pose[axis] = 0
-        planner.posed[axis] = 0
+        planner.last_pose[axis] = 0
     planner.fade.left = 0
     status = planner.status
     status.mover = MOVER_TABLE
-    status.backs = 0
-    status.holds = 0
+    status.backing_off = 0
+    status.pose_held = 0
     status.folded = 0
-    status.shifts = 0
-    status.carries = 0
-    status.felt_q12 = 0
+    status.pose_moves = 0
+    status.carries_weight = 0
+    status.feet_load_q12 = 0
     balance_reset(planner.balance)
     steps_reset(planner.params, planner.steps)
     sensing_reset(planner.sensing)

@@ -22,12 +22,12 @@ def follow_command(planner: PlannerState, command: Command, halves: int) -> int:
     status = planner.status
     if command.mode != MODE_WALK or status.fallen:
         halves = 0
-    still = slew_speed(planner.params, planner.top, command, halves, planner.speed)
-    status.shifts = 0
-    if (status.beyond or status.holds) and hold_back(planner, command):
+    still = slew_speed(planner.params, planner.top_speed, command, halves, planner.speed)
+    status.pose_moves = 0
+    if (status.beyond or status.pose_held) and hold_back(planner, command):
         return still
     if is_posed(command, planner.pose) == 0:
-        status.shifts = slew_pose(planner.params, command, 1, planner.pose)
+        status.pose_moves = slew_pose(planner.params, command, 1, planner.pose)
     return still
 
 
@@ -61,19 +61,19 @@ def hold_back(planner: PlannerState, command: Command) -> int:
     for axis in range(POSE_AXES):
         if planner.pose[axis]:
             posed = 1
-        if status.held[axis] != command.pose[axis]:
+        if status.held_pose[axis] != command.pose[axis]:
             other = 1
     if status.beyond and posed:
-        if status.holds == 0:
+        if status.pose_held == 0:
             for axis in range(POSE_AXES):
-                status.held[axis] = command.pose[axis]
-        status.holds = 1
-        status.shifts = slew_pose(planner.params, command, 0, planner.pose)
+                status.held_pose[axis] = command.pose[axis]
+        status.pose_held = 1
+        status.pose_moves = slew_pose(planner.params, command, 0, planner.pose)
     elif other:
-        status.holds = 0
-    if status.holds:
+        status.pose_held = 0
+    if status.pose_held:
         status.flags |= POSE_HELD
-    return status.holds
+    return status.pose_held
 
 
 @hot
@@ -112,7 +112,7 @@ def limit_to_both(planner: PlannerState, wanted: int) -> None:
     """Take as the fastest command what the present gait and the ``wanted`` one both allow."""
     gait = planner.gait
     other = planner.gaits[wanted]
-    top = planner.top
+    top = planner.top_speed
     top.vx = gait.speed_max.vx
     top.vy = gait.speed_max.vy
     top.wz = gait.speed_max.wz

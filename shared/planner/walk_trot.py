@@ -29,7 +29,7 @@ def start_trot(planner: PlannerState) -> None:
         foot.y <<= LF_BITS
         foot.z <<= LF_BITS
     for axis in range(POSE_AXES):
-        planner.trot.posed[axis] = planner.pose[axis]
+        planner.trot.last_pose[axis] = planner.pose[axis]
     solve(planner.params, planner.trot)
 
 
@@ -74,8 +74,8 @@ def follow_trot(planner: PlannerState, command: Command) -> int:
     limit_to_both(planner, wanted)
     if planner.trot.state.high_left:
         most = planner.params.trot.high_speed
-        planner.top.vx = saturate(planner.top.vx, 0, most)
-        planner.top.vy = saturate(planner.top.vy, 0, most)
+        planner.top_speed.vx = saturate(planner.top_speed.vx, 0, most)
+        planner.top_speed.vy = saturate(planner.top_speed.vy, 0, most)
     halves = 0
     gait = planner.gaits[wanted]
     if gait.mover == MOVER_TROT or (gait.mover == MOVER_CRAWL and straight_on(planner.params, command) == 0):

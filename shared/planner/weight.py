@@ -32,12 +32,12 @@ def watch_weight(planner: PlannerState) -> None:
     Intermediates: 2^17 * 2^8, at 20 Hz.
     """
     status = planner.status
-    if status.shifts:
+    if status.pose_moves:
         return
-    status.felt_q12 += (carried(planner) - status.felt_q12) * planner.params.evened_q10 >> 10
-    if status.carries == 0:
+    status.feet_load_q12 += (carried(planner) - status.feet_load_q12) * planner.params.evened_q10 >> 10
+    if status.carries_weight == 0:
         ask(planner)
-    elif status.felt_q12 < _QUARTER_Q12:
+    elif status.feet_load_q12 < _QUARTER_Q12:
         status.lifted = 1
         status.flags |= LIFTED
         begin_move(planner, planner.sensed, RISING)
@@ -65,9 +65,9 @@ def ask(planner: PlannerState) -> None:
     status = planner.status
     risen = planner.params.sent_ticks + _RISEN
     if planner.sensing.known == risen:
-        status.felt_q12 = carried(planner)
-    if status.felt_q12 >= _HALF_Q12 and (planner.sensing.known == risen or status.state == STANDING):
-        status.carries = 1
+        status.feet_load_q12 = carried(planner)
+    if status.feet_load_q12 >= _HALF_Q12 and (planner.sensing.known == risen or status.state == STANDING):
+        status.carries_weight = 1
 
 
 @hot
@@ -76,7 +76,7 @@ def put_down(planner: PlannerState, mode: int) -> int:
     status = planner.status
     if status.lifted == 0:
         return 0
-    if mode == MODE_LIMP or mode == MODE_SIT or mode == MODE_FOLD or (mode == MODE_STAND and status.carries):
+    if mode == MODE_LIMP or mode == MODE_SIT or mode == MODE_FOLD or (mode == MODE_STAND and status.carries_weight):
         status.lifted = 0
         return 0
     status.flags |= LIFTED

@@ -48,12 +48,12 @@ class Odometry:
     carried_q12: int = field("own weight Q12", "sum of the feet's forces; of one that lands what it presses")
     borne_q6: Ints = vector(LEGS, "own weight Q6", "by each foot a tick ago")
     weight: Ints = vector(LEGS, "", "what each foot counts, the sum of all 253 .. 256 or 0")
-    way: int = field("lu", "walked, at most an eighth too long")
+    walked: int = field("lu", "walked, at most an eighth too long")
     slip: int = field("lu", "how far the feet have told otherwise than their mean")
-    doubt_q26: int = field("rad Q26", "how far off the heading may be (one sigma) for what was walked")
-    astray: Spot = part(Spot, "how far off the place is if the heading is off by that, lf")
-    scaled: Spot = part(Spot, "how far off it may be for a way told too long or too short (one sigma)")
-    apart: int = field("lu", "how far off it may be in any direction, beside these (one sigma)")
+    heading_sigma_q26: int = field("rad Q26", "how far off the heading may be (one sigma) for what was walked")
+    heading_spread: Spot = part(Spot, "how far off the place is if the heading is off by that, lf")
+    scale_spread: Spot = part(Spot, "how far off it may be for a way told too long or too short (one sigma)")
+    place_spread: int = field("lu", "how far off it may be in any direction, beside these (one sigma)")
 
 
 _FAR = const(0x3FFF0000)
@@ -82,13 +82,13 @@ def odometry_restart(odometry: Odometry) -> None:
     odometry_lost(odometry)
     odometry.turns = 0
     odometry.heading = 0
-    odometry.way = 0
+    odometry.walked = 0
     odometry.slip = 0
-    odometry.doubt_q26 = 0
+    odometry.heading_sigma_q26 = 0
     odometry.place.x = 0
     odometry.place.y = 0
-    odometry.astray.x = 0
-    odometry.astray.y = 0
+    odometry.heading_spread.x = 0
+    odometry.heading_spread.y = 0
 
 
 @hot
@@ -293,7 +293,8 @@ def move_on(params: Params, turn: int, total: int, walks: int, odometry: Odometr
 def place_body(ahead: int, aside: int, turn: int, walks: int, odometry: Odometry) -> None:
     """Move place and heading by a shift, lu Q2, and a turn, 2^-18 rad.
 
-    No remainder is lost. Intermediates: 32767 * 2^14 * sqrt 2 + 2^16; 2^15 * 20861; 2^15.5 * 2^13 in ``astray``.
+    No remainder is lost. Intermediates: 32767 * 2^14 * sqrt 2 + 2^16; 2^15 * 20861; 2^15.5 * 2^13 of
+    ``heading_spread``.
     """
     turned = turn * _TO_HEADING + odometry.heading_rest
     odometry.heading_rest = turned & 2047
@@ -314,14 +315,15 @@ def place_body(ahead: int, aside: int, turn: int, walks: int, odometry: Odometry
     rest.x &= 0xFFFF
     rest.y &= 0xFFFF
     if walks:
-        doubt_q14 = saturate(odometry.doubt_q26 >> 12, 0, 8191)
-        odometry.astray.x = saturate(odometry.astray.x - ((y >> 14) * doubt_q14 >> 8), -_SUM_MAX, _SUM_MAX)
-        odometry.astray.y = saturate(odometry.astray.y + ((x >> 14) * doubt_q14 >> 8), -_SUM_MAX, _SUM_MAX)
+        sigma_q14 = saturate(odometry.heading_sigma_q26 >> 12, 0, 8191)
+        spread = odometry.heading_spread
+        spread.x = saturate(spread.x - ((y >> 14) * sigma_q14 >> 8), -_SUM_MAX, _SUM_MAX)
+        spread.y = saturate(spread.y + ((x >> 14) * sigma_q14 >> 8), -_SUM_MAX, _SUM_MAX)
 
 
 @hot
 def count_way(params: Params, ahead: int, aside: int, slip: int, odometry: Odometry) -> None:
-    """Add a shift and what the feet differ by, lu Q2, to what the doubts are told by.
+    """Add a shift and what the feet differ by, lu Q2, to what the uncertainties are told by.
 
     While the gyroscope tells the heading, it is as wrong as its bias, and by 1/256 rad per slip of a leg's length; by
     the feet it is by 1/16 rad (both from walks in space, over stones and stairs). Intermediates: 2^13 * 2^16.
@@ -332,25 +334,26 @@ def count_way(params: Params, ahead: int, aside: int, slip: int, odometry: Odome
         aside = -aside
     if aside > ahead:
         ahead, aside = aside, ahead
-    odometry.way = saturate(odometry.way + (ahead + (aside >> 1) + 2 >> 2), 0, _FAR)
+    odometry.walked = saturate(odometry.walked + (ahead + (aside >> 1) + 2 >> 2), 0, _FAR)
     odometry.slip = saturate(odometry.slip + (slip + 2 >> 2), 0, _FAR)
-    doubt = saturate((saturate(slip, 0, 8191) << 16) // params.leg_length, 0, 0xFFFFF)
+    sigma = saturate((saturate(slip, 0, 8191) << 16) // params.leg_length, 0, 0xFFFFF)
     if odometry.gyro:
-        doubt += _BIAS_Q26 // params.rate_hz
+        sigma += _BIAS_Q26 // params.rate_hz
     else:
-        doubt <<= 4
-    odometry.doubt_q26 = saturate(odometry.doubt_q26 + doubt, 0, _SUM_MAX)
+        sigma <<= 4
+    odometry.heading_sigma_q26 = saturate(odometry.heading_sigma_q26 + sigma, 0, _SUM_MAX)
 
 
 @hot
 def odometry_spread(params: Params, odometry: Odometry) -> None:
-    """Write ``scaled`` and ``apart``. With ``astray`` they make the covariance of x, y and heading.
+    """Write scale_spread and place_spread. With heading_spread they make the covariance of x, y and heading.
 
     One sigma each, as walks of four robots in space err: a way is told wrong by 1/256 of it and an eighth of what the
     feet slipped, a place anywhere by 1 mm, 1/256 of the way and 1/32 of the slip. The covariance is s s' + g g' + a a I
-    with s = (scaled, 0), g = (astray, doubt), a = apart for x and y, 0 for the heading. Intermediates: 2^20 * 512.
+    with s = (scale_spread, 0), g = (heading_spread, heading_sigma), a = place_spread for x and y, 0 for the heading.
+    Intermediates: 2^20 * 512.
     """
-    way = odometry.way
+    way = odometry.walked
     slip = odometry.slip
     while way > 0xFFFFF or slip > 0xFFFFF:
         way >>= 1
@@ -359,6 +362,6 @@ def odometry_spread(params: Params, odometry: Odometry) -> None:
     if way:
         share_q12 = saturate(16 + slip * 512 // way, 0, 4096)
     place = odometry.place
-    odometry.scaled.x = (place.x >> 12) * share_q12 + ((place.x & 4095) * share_q12 >> 12)
-    odometry.scaled.y = (place.y >> 12) * share_q12 + ((place.y & 4095) * share_q12 >> 12)
-    odometry.apart = (1 << params.length_shift) // 1000 + (odometry.way >> 8) + (odometry.slip >> 5)
+    odometry.scale_spread.x = (place.x >> 12) * share_q12 + ((place.x & 4095) * share_q12 >> 12)
+    odometry.scale_spread.y = (place.y >> 12) * share_q12 + ((place.y & 4095) * share_q12 >> 12)
+    odometry.place_spread = (1 << params.length_shift) // 1000 + (odometry.walked >> 8) + (odometry.slip >> 5)

@@ -8,7 +8,7 @@ feet that have just begun to swing come down again at once; not with high swings
 from ..body.params import LEGS, Params
 from ..runtime import const, hot
 from .feet import lift_off
-from .react import count_held, land, react
+from .react import count_held_up, land, react
 from .state import CYCLE_Q20, Trot
 
 _DIAGONALS = const(0x06)  # bits of the legs half a cycle on: FL, RR
@@ -30,7 +30,7 @@ def go_on(params: Params, walk: Trot, still: int) -> None:
         stand_all(walk)
         return
     move_phase(params, walk, still)
-    stands = walk.stands
+    stance = walk.stance
     swinging = 0
     standing = 0
     for leg in range(LEGS):
@@ -39,9 +39,9 @@ def go_on(params: Params, walk: Trot, still: int) -> None:
             part = part + (CYCLE_Q20 >> 1) & CYCLE_Q20 - 1
         part -= setup.stance_q20
         if part < 0:
-            stands[leg] = 1
+            stance[leg] = 1
             if part + setup.stance_q20 > setup.landing_q20:
-                walk.met[leg] = 0
+                walk.early_contact[leg] = 0
             else:
                 land(params, walk, leg)
         else:
@@ -49,13 +49,13 @@ def go_on(params: Params, walk: Trot, still: int) -> None:
             if share > 32767:
                 share = 32767
             state.swing_q15 = share
-            if walk.met[leg] == 0:
-                if stands[leg]:
-                    count_held(params, walk, leg)
+            if walk.early_contact[leg] == 0:
+                if stance[leg]:
+                    count_held_up(params, walk, leg)
                     lift_off(walk, leg)
-                    stands[leg] = 0
-                stands[leg] = react(params, walk, leg)
-        if stands[leg]:
+                    stance[leg] = 0
+                stance[leg] = react(params, walk, leg)
+        if stance[leg]:
             standing += 1
         else:
             swinging |= 1 << leg
@@ -95,7 +95,7 @@ def hurried_step(params: Params, walk: Trot) -> int:
 def stand_all(walk: Trot) -> None:
     """All legs stand."""
     for leg in range(LEGS):
-        walk.stands[leg] = 1
-        walk.met[leg] = 0
+        walk.stance[leg] = 1
+        walk.early_contact[leg] = 0
     walk.state.swinging = 0
     walk.state.standing = LEGS

@@ -25,7 +25,7 @@ def feel(params: Params, walk: Trot, turned: Turn, valid: int) -> None:
     if valid == 0:
         state.known = 0
         for axis in range(2):
-            state.seen[axis] = state.foot_speed[axis]
+            state.measured_speed[axis] = state.foot_speed[axis]
         return
     if state.known:
         see_speed(params, walk, turned)
@@ -49,7 +49,7 @@ def see_speed(params: Params, walk: Trot, turned: Turn) -> None:
     about_x = saturate(turned.x, -_TURN_MAX, _TURN_MAX)
     about_y = saturate(turned.y, -_TURN_MAX, _TURN_MAX)
     about_z = saturate(turned.z, -_TURN_MAX, _TURN_MAX)
-    stood = walk.past_stands[state.ring_at - params.sent_ticks - 1 & 15] & walk.past_stands[state.ring_at - 1 & 15]
+    stood = walk.past_stance[state.ring_at - params.sent_ticks - 1 & 15] & walk.past_stance[state.ring_at - 1 & 15]
     count = 0
     ahead = 0
     aside = 0
@@ -65,10 +65,10 @@ def see_speed(params: Params, walk: Trot, turned: Turn) -> None:
             count += 1
     if count:
         share_q10 = params.trot.odometry_q10
-        ahead = saturate(ahead // count - state.seen.x, -_SPEED_MAX, _SPEED_MAX)
-        aside = saturate(aside // count - state.seen.y, -_SPEED_MAX, _SPEED_MAX)
-        state.seen.x += ahead * share_q10 + 512 >> 10
-        state.seen.y += aside * share_q10 + 512 >> 10
+        ahead = saturate(ahead // count - state.measured_speed.x, -_SPEED_MAX, _SPEED_MAX)
+        aside = saturate(aside // count - state.measured_speed.y, -_SPEED_MAX, _SPEED_MAX)
+        state.measured_speed.x += ahead * share_q10 + 512 >> 10
+        state.measured_speed.y += aside * share_q10 + 512 >> 10
 
 
 @hot

@@ -31,15 +31,15 @@ def stand_feet(params: Params, walk: Trot) -> None:
     about_y = state.pitch_18
     about_z = state.turn_18
     for leg in range(LEGS):
-        if walk.stands[leg]:
+        if walk.stance[leg]:
             rest = params.legs[leg].rest
             foot = walk.feet.legs[leg]
             x = foot.x >> LF_BITS + 1
             y = foot.y >> LF_BITS + 1
             z = foot.z >> LF_BITS + 1
-            x_lf = foot.x - state.drive.x - (about_y * z - about_z * y >> 9)
-            y_lf = foot.y - state.drive.y - (about_z * x - about_x * z >> 9)
-            z_lf = foot.z - state.rise - (about_x * y - about_y * x >> 9) + spare(params, walk, leg)
+            x_lf = foot.x - state.stance_speed.x - (about_y * z - about_z * y >> 9)
+            y_lf = foot.y - state.stance_speed.y - (about_z * x - about_x * z >> 9)
+            z_lf = foot.z - state.rise_speed - (about_x * y - about_y * x >> 9) + spare(params, walk, leg)
             off_x = x_lf - (rest.x << LF_BITS)
             off_y = y_lf - (rest.y << LF_BITS)
             off_z = z_lf - (rest.z << LF_BITS) << 1
@@ -70,7 +70,7 @@ def lift_off(walk: Trot, leg: int) -> None:
     """Begin the swing of ``leg``: keep where it starts, turned level with the tilt to come."""
     state = walk.state
     foot = walk.feet.legs[leg]
-    start = walk.starts.legs[leg]
+    start = walk.lift_offs.legs[leg]
     x = foot.x >> LF_BITS
     y = foot.y >> LF_BITS
     z = foot.z >> LF_BITS
@@ -78,8 +78,8 @@ def lift_off(walk: Trot, leg: int) -> None:
     z += y * state.roll_q14 >> 14
     start.x = x + (z * state.pitch_q14 >> 14)
     start.z = z - (x * state.pitch_q14 >> 14)
-    walk.ascent[leg] = 0
-    walk.short[leg] = 0
+    walk.ascent_lag[leg] = 0
+    walk.shortened[leg] = 0
 
 
 @hot
@@ -109,13 +109,13 @@ def swing_feet(params: Params, walk: Trot, pose: Pose) -> None:
     up = 32767 - cos_q15(share << 1) >> 1
     low = -setup.height - pose.z
     for leg in range(LEGS):
-        if walk.stands[leg] == 0:
-            if walk.frees[leg]:
+        if walk.stance[leg] == 0:
+            if walk.rises_first[leg]:
                 swing_foot(params, walk, leg, pose, share, free_way_q15(params, share))
                 draw_back(params, walk, leg, share)
             else:
                 swing_foot(params, walk, leg, pose, share, way)
-            settle_foot(walk, leg, mul_q15(walk.tops[leg], up), low, down)
+            settle_foot(walk, leg, mul_q15(walk.apex[leg], up), low, down)
 
 
 @hot
@@ -149,7 +149,7 @@ def swing_foot(params: Params, walk: Trot, leg: int, pose: Pose, share_q15: int,
     state = walk.state
     setup = params.trot
     foot = walk.feet.legs[leg]
-    start = walk.starts.legs[leg]
+    start = walk.lift_offs.legs[leg]
     rest = params.legs[leg].rest
     x = rest.x + params.com_x - pose.x
     y = rest.y + params.com_y - pose.y
@@ -157,11 +157,11 @@ def swing_foot(params: Params, walk: Trot, leg: int, pose: Pose, share_q15: int,
     turn_y = state.turn_18 * (x >> 1) >> 9
     x += state.capture.x + ((state.foot_speed.x - turn_x >> 6) * setup.neutral_q8 >> 10)
     y += state.capture.y + ((state.foot_speed.y + turn_y >> 6) * setup.neutral_q8 >> 10)
-    back = saturate((state.drive.x - turn_x >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
+    back = saturate((state.stance_speed.x - turn_x >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
     gap = saturate(x - start.x + back, -_FAR, _FAR)
     x = start.x + mul_q15(gap, way_q15) - mul_q15(back, share_q15)
-    foot.x = x - walk.short[leg] << LF_BITS
-    back = saturate((state.drive.y + turn_y >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
+    foot.x = x - walk.shortened[leg] << LF_BITS
+    back = saturate((state.stance_speed.y + turn_y >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
     gap = saturate(y - start.y + back, -_FAR, _FAR)
     foot.y = start.y + mul_q15(gap, way_q15) - mul_q15(back, share_q15) << LF_BITS
 
@@ -175,7 +175,7 @@ def settle_foot(walk: Trot, leg: int, lifted: int, low: int, down_q15: int) -> N
     """
     state = walk.state
     foot = walk.feet.legs[leg]
-    start_z = walk.starts.legs[leg].z
+    start_z = walk.lift_offs.legs[leg].z
     x = saturate(foot.x >> LF_BITS, -_WIDE, _WIDE)
     y = saturate(foot.y >> LF_BITS, -_WIDE, _WIDE)
     low += ground_z(walk, x, y)

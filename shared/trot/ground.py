@@ -24,7 +24,7 @@ def feel_slope(params: Params, walk: Trot) -> None:
     middle_z = 0
     count = 0
     for leg in range(LEGS):
-        if walk.stands[leg]:
+        if walk.stance[leg]:
             foot = walk.measured.legs[leg]
             z = level_z(walk, leg)
             middle_x += foot.x
@@ -49,7 +49,7 @@ def follow_feet(params: Params, walk: Trot, count: int, middle_x: int, middle_y:
     square = 0
     uneven = 0
     for leg in range(LEGS):
-        if walk.stands[leg]:
+        if walk.stance[leg]:
             foot = walk.measured.legs[leg]
             x = saturate(foot.x - middle_x, -_FAR, _FAR)
             y = saturate(foot.y - middle_y, -_FAR, _FAR)

@@ -5,7 +5,7 @@ from ..body.legs import legs_inverse
 from ..body.params import CALF, JOINTS, LEGS, LF_BITS, THIGH, Params
 from ..num.fixed import saturate
 from ..runtime import Ints, const, hot
-from .react import MET, MET_NOW
+from .react import EARLY, EARLY_NOW
 from .state import Trot
 
 _ONE_Q12 = const(4096)
@@ -26,7 +26,7 @@ def share_load(params: Params, walk: Trot) -> None:
         share = _ONE_Q12 // walk.state.standing
     for leg in range(LEGS):
         wanted = 0
-        if walk.stands[leg]:
+        if walk.stance[leg]:
             wanted = share
         gap = wanted - walk.load_q12[leg]
         if gap > step or gap < -step:
@@ -67,10 +67,10 @@ def lead(params: Params, walk: Trot, goal: Ints) -> None:
         if walk.load_q12[leg]:
             sag_leg(params, leg, walk.hip_feet, 0, 0, walk.load_q12[leg], goal)
         led = lag
-        if walk.met[leg] == MET_NOW:
-            walk.met[leg] = MET
+        if walk.early_contact[leg] == EARLY_NOW:
+            walk.early_contact[leg] = EARLY
             led = 0
-        elif walk.stands[leg] == 0:
+        elif walk.stance[leg] == 0:
             led = lag >> 1
         elif walk.state.high_left == 0:
             slide(params, walk, leg, goal)

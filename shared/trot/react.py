@@ -24,35 +24,35 @@ _MET_QUARTERS = const(1)
 _LANDED_QUARTERS = const(2)
 _SWINGS_MAX = const(100)
 _DOWN_Q20 = const(20972)  # 0.02: steeper, and the ground goes down; before a wall it was felt to rise by 0 .. 0.04
-MET = const(1)  # of ``met``: it has met ground higher than planned
-MET_NOW = const(2)  # in this tick, whose goals are not led
+EARLY = const(1)  # of ``early_contact``: it has met ground higher than planned
+EARLY_NOW = const(2)  # in this tick, whose goals are not led
 
 
 @hot
 def react(params: Params, walk: Trot, leg: int) -> int:
     """Look at one foot in the air; return 1 if it stands from now on, 0 if it swings on."""
     state = walk.state
-    ascent = walk.ascent
+    ascent_lag = walk.ascent_lag
     if state.known <= params.sent_ticks:
         return 0
     up = walk.residual_z[leg]
     if state.swing_q15 <= _MIDDLE:
-        if state.swing_q15 > _RISEN and -up > ascent[leg]:
-            ascent[leg] = -up
+        if state.swing_q15 > _RISEN and -up > ascent_lag[leg]:
+            ascent_lag[leg] = -up
     else:
-        slack = saturate(ascent[leg] - (params.leg_length * _LAGS_Q10 >> 10), 0, 32767)
+        slack = saturate(ascent_lag[leg] - (params.leg_length * _LAGS_Q10 >> 10), 0, 32767)
         if up > (params.leg_length * _HIGH_Q10 >> 10) + slack + (slack >> 1):
             state.high_left = params.trot.high_way
             meet_ground(params, walk, leg, _MET_QUARTERS)
             return 1
     if state.swing_q15 > _RISEN:
-        held_up(params, walk, leg)
+        see_held_up(params, walk, leg)
     give_way(walk, leg)
     return 0
 
 
 @hot
-def held_up(params: Params, walk: Trot, leg: int) -> None:
+def see_held_up(params: Params, walk: Trot, leg: int) -> None:
     """Swing high from now on if the foot is further behind its way than its mate in the air.
 
     What the drives and the bus lag, known or not, both feet of a diagonal lag alike; what a load or an unknown delay
@@ -62,7 +62,7 @@ def held_up(params: Params, walk: Trot, leg: int) -> None:
     state = walk.state
     setup = params.trot
     high = 0
-    if walk.tops[leg] >= setup.high_lift:
+    if walk.apex[leg] >= setup.high_lift:
         high = 1
     behind = walk.residual_x[3 - leg] - walk.residual_x[leg]
     if state.foot_speed.x < 0:
@@ -73,18 +73,18 @@ def held_up(params: Params, walk: Trot, leg: int) -> None:
     most = params.leg_length * _BEHIND_EARLY_Q10 >> 10
     if state.swing_q15 > _FREE and high == 0:
         most = params.leg_length * _BEHIND_Q10 >> 10
-    if most > setup.pushes:
-        most = setup.pushes
-    if behind > walk.peak[leg]:
-        walk.peak[leg] = behind
-    most += walk.usual[leg] + (turn * setup.turn_side >> 10)
-    if behind <= most or (high == 0 and behind <= most + (most * setup.late_q8 >> 8) and may_be_late(walk, leg)):
+    if most > setup.push_lag:
+        most = setup.push_lag
+    if behind > walk.peak_lag[leg]:
+        walk.peak_lag[leg] = behind
+    most += walk.usual_lag[leg] + (turn * setup.turn_side >> 10)
+    if behind <= most or (high == 0 and behind <= most + (most * setup.late_lag_q8 >> 8) and may_be_late(walk, leg)):
         return
-    walk.held[leg] = 1
+    walk.held_up[leg] = 1
     if high == 0:
-        state.blocked += 1
+        state.held_up_count += 1
         state.high_left = setup.high_way
-        walk.tops[leg] = setup.high_lift
+        walk.apex[leg] = setup.high_lift
 
 
 @hot
@@ -114,16 +114,16 @@ def give_way(walk: Trot, leg: int) -> None:
     It pushes with half the force, gets free by rising, and still gets to its foothold: sent no further than it is, it
     would come down short of it, and the body go on over it. Told to stop it does not push.
     """
-    short = walk.short
-    short[leg] = 0
-    if walk.held[leg]:
-        short[leg] = -walk.residual_x[leg]
+    shortened = walk.shortened
+    shortened[leg] = 0
+    if walk.held_up[leg]:
+        shortened[leg] = -walk.residual_x[leg]
         if walk.state.foot_speed.x:
-            short[leg] = -(walk.residual_x[leg] >> 1)
+            shortened[leg] = -(walk.residual_x[leg] >> 1)
 
 
 @hot
-def count_held(params: Params, walk: Trot, leg: int) -> None:
+def count_held_up(params: Params, walk: Trot, leg: int) -> None:
     """Begin a swing of ``leg``: was its last one held up, or the body slow?
 
     A leg's swings that were held up while swings are high are counted twice, less one for each that was not; the leg
@@ -133,60 +133,60 @@ def count_held(params: Params, walk: Trot, leg: int) -> None:
     foot beside it was held up as well, as before a wall or in the plane, nor where the ground climbs.
     """
     state = walk.state
-    held = walk.held
-    jams = walk.jams
+    held_up = walk.held_up
+    stuck_score = walk.stuck_score
     speed = state.foot_speed.x
-    seen = state.seen.x
+    seen = state.measured_speed.x
     if speed < 0:
         speed = -speed
         seen = -seen
-    count = jams[leg] - 1
-    walk.tops[leg] = swing_top(params, walk, leg)
-    walk.frees[leg] = 0
-    if state.high_left and (held[leg] or seen * 3 < speed):
+    count = stuck_score[leg] - 1
+    walk.apex[leg] = swing_apex(params, walk, leg)
+    walk.rises_first[leg] = 0
+    if state.high_left and (held_up[leg] or seen * 3 < speed):
         up = climbs(params, walk)
         if up == 0 or seen < speed:
             count += 3
         if params.lateral_q12 and up == 0:
-            walk.frees[leg] = held[leg]
-    if walk.tops[leg ^ 1] >= params.trot.highest_lift:
-        walk.frees[leg] = 0
-    count_row(walk, leg)
-    if held[leg] == 0:
-        usual = walk.usual[leg] + (walk.peak[leg] - walk.usual[leg] >> 2)
-        walk.usual[leg] = saturate(usual, 0, params.leg_length * _USUAL_Q10 >> 10)
-    walk.peak[leg] = 0
-    held[leg] = 0
-    jams[leg] = saturate(count, 0, _SWINGS_MAX)
+            walk.rises_first[leg] = held_up[leg]
+    if walk.apex[leg ^ 1] >= params.trot.highest_lift:
+        walk.rises_first[leg] = 0
+    count_in_row(walk, leg)
+    if held_up[leg] == 0:
+        usual = walk.usual_lag[leg] + (walk.peak_lag[leg] - walk.usual_lag[leg] >> 2)
+        walk.usual_lag[leg] = saturate(usual, 0, params.leg_length * _USUAL_Q10 >> 10)
+    walk.peak_lag[leg] = 0
+    held_up[leg] = 0
+    stuck_score[leg] = saturate(count, 0, _SWINGS_MAX)
     most = 0
     for other in range(LEGS):
-        if jams[other] > most:
-            most = jams[other]
-    state.held_ticks = 0
+        if stuck_score[other] > most:
+            most = stuck_score[other]
+    state.stuck_ticks = 0
     if speed:
-        state.held_ticks = most * (CYCLE_Q20 >> 1) // params.trot.phase_step_q20
+        state.stuck_ticks = most * (CYCLE_Q20 >> 1) // params.trot.phase_step_q20
 
 
 @hot
-def count_row(walk: Trot, leg: int) -> None:
+def count_in_row(walk: Trot, leg: int) -> None:
     """Count the swings in a row, of both front or both hind feet, that were held up: an edge holds up few, a wall all.
 
     Not once it goes down: after a step down, the feet of slow drives lag in high swings as if they were.
     """
-    rows = walk.rows
+    in_row = walk.held_up_in_row
     pair = leg >> 1
-    if walk.held[leg] == 0 or walk.state.foot_speed.x == 0:
-        rows[pair] = 0
+    if walk.held_up[leg] == 0 or walk.state.foot_speed.x == 0:
+        in_row[pair] = 0
     elif rise_q20(walk) < -_DOWN_Q20:
-        rows[pair] = -_SWINGS_MAX
-    elif rows[pair] < _SWINGS_MAX:
-        rows[pair] += 1
+        in_row[pair] = -_SWINGS_MAX
+    elif in_row[pair] < _SWINGS_MAX:
+        in_row[pair] += 1
 
 
 @hot
-def swing_top(params: Params, walk: Trot, leg: int) -> int:
+def swing_apex(params: Params, walk: Trot, leg: int) -> int:
     """Return the top of a leg's next swing, lu: the highest after one that was held up, while swings are high."""
-    if walk.state.high_left and walk.held[leg]:
+    if walk.state.high_left and walk.held_up[leg]:
         return params.trot.highest_lift
     return walk.state.lift
 
@@ -198,7 +198,7 @@ def land(params: Params, walk: Trot, leg: int) -> None:
     It would push its corner of the body up by as much, and tip it over. Only while the joints still tell of the
     landing, and once: later it would be a leg that sags under its load. On the level a high swing just lags by as much.
     """
-    if walk.met[leg] or walk.state.known <= params.sent_ticks:
+    if walk.early_contact[leg] or walk.state.known <= params.sent_ticks:
         return
     if walk.residual_z[leg] > params.leg_length * _LANDED_Q10 >> 10 and climbs(params, walk):
         meet_ground(params, walk, leg, _LANDED_QUARTERS)
@@ -218,8 +218,8 @@ def meet_ground(params: Params, walk: Trot, leg: int, quarters: int) -> None:
     foot.y = measured.y << LF_BITS
     foot.z = measured.z - given << LF_BITS
     walk.load_q12[leg] = _QUARTER_Q12
-    walk.met[leg] = MET_NOW
-    walk.state.touched += 1
+    walk.early_contact[leg] = EARLY_NOW
+    walk.state.early_contacts += 1
 
 
 @hot
@@ -244,8 +244,8 @@ def count_high(params: Params, walk: Trot) -> None:
     """
     state = walk.state
     setup = params.trot
-    ahead = state.seen.x
-    aside = state.seen.y
+    ahead = state.measured_speed.x
+    aside = state.measured_speed.y
     if ahead < 0:
         ahead = -ahead
     if aside < 0:

@@ -19,15 +19,15 @@ class TrotState:
 
     phase_q20: int = field("Q20 of a cycle", "of the diagonal FR RL; the other is half a cycle on")
     known: int = field("ticks", "joints, tilt and rates measured in a row, up to 100")
-    seen: Spot = part(Spot, "measured speed of the feet against the body, lf / tick")
-    drift_q8: Spot = part(Spot, "what is added to the commanded speed to reach it, lf / tick Q8")
-    heading_18: int = field("2^-18 rad", "turned less than commanded")
+    measured_speed: Spot = part(Spot, "measured speed of the feet against the body, lf / tick")
+    speed_integral_q8: Spot = part(Spot, "what is added to the commanded speed to reach it, lf / tick Q8")
+    heading_error_18: int = field("2^-18 rad", "turned less than commanded")
     foot_speed: Spot = part(Spot, "commanded speed of the feet's centres, lf / tick")
-    drive: Spot = part(Spot, "speed at which the standing feet go back, lf / tick")
+    stance_speed: Spot = part(Spot, "speed at which the standing feet go back, lf / tick")
     turn_18: int = field("2^-18 rad / tick", "turn of the body about z")
     roll_18: int = field("2^-18 rad / tick", "turn about x, which levels it")
     pitch_18: int = field("2^-18 rad / tick", "turn about y")
-    rise: int = field("lf / tick", "of the body")
+    rise_speed: int = field("lf / tick", "of the body")
     pushed: int = field("", "1: from this tick on faster than told, as walking is not; 2: for longer, or at an edge")
     capture: Spot = part(Spot, "foothold further on for a speed that is too much, lu")
     roll_q14: int = field("rad Q14", "tilt when this tick's goals act")
@@ -42,9 +42,9 @@ class TrotState:
     standing: int = field("", "how many legs stand")
     still_q20: int = field("Q20 of a cycle", "phase gone by since the command is to stand, up to 2^21")
     ring_at: int = field("", "where in the rings this tick goes, 0 .. 15")
-    blocked: int = field("", "swings held up since the start")
-    touched: int = field("", "feet that met ground higher than planned since the start")
-    held_ticks: int = field("ticks", "for which the robot, told to walk, has not got on; 0 when it does")
+    held_up_count: int = field("", "swings held up since the start")
+    early_contacts: int = field("", "feet that met ground higher than planned since the start")
+    stuck_ticks: int = field("ticks", "for which the robot, told to walk, has not got on; 0 when it does")
 
 
 @record
@@ -64,7 +64,7 @@ class Trot:
         self.wish = Wish()
         self.work = LegsWork()
         self.feet = Feet()  # lf, planned
-        self.starts = Feet()  # lu, level: where each swing began
+        self.lift_offs = Feet()  # lu, level: where each swing began
         self.measured = feet.now  # lu
         self.before = feet.before  # lu, the same a tick ago
         self.heights = zeros(LEGS)  # lu, of the measured feet that stand, in level axes
@@ -73,26 +73,26 @@ class Trot:
         self.free_z_q4 = zeros(LEGS)
         self.residual_x = zeros(LEGS)  # lu: measured less those
         self.residual_z = zeros(LEGS)
-        self.ascent = zeros(LEGS)  # lu, the largest residual downwards while the foot rose
-        self.stands = zeros(LEGS)  # 1: the foot stands, by plan or because it met something
-        self.met = zeros(LEGS)  # react.MET...: it met ground higher than planned in this swing, or landing from it
-        self.tops = zeros(LEGS)  # lu, of the present swings
-        self.held = zeros(LEGS)  # 1: the foot was held up in its last swing
-        self.peak = zeros(LEGS)  # lu, the most a foot was behind its mate in its swing
-        self.usual = zeros(LEGS)  # lu, the mean of that over swings that were not held up, at most 0.04 of the leg
-        self.frees = zeros(LEGS)  # 1: the foot was held up in the swing before, and first gets free of that in this one
-        self.short = zeros(LEGS)  # lu, how much shorter of its way the foot in the air is sent
-        self.jams = zeros(LEGS)  # twice the swings that were, less those that were not
-        self.rows = zeros(LEGS >> 1)  # swings in a row that were held up: of the front feet, of the hind feet
+        self.ascent_lag = zeros(LEGS)  # lu, the largest residual downwards while the foot rose
+        self.stance = zeros(LEGS)  # 1: the foot stands, by plan or because it met something
+        self.early_contact = zeros(LEGS)  # react.EARLY...: it met ground too high in this swing, or landing from it
+        self.apex = zeros(LEGS)  # lu, of the present swings
+        self.held_up = zeros(LEGS)  # 1: the foot was held up in its last swing
+        self.peak_lag = zeros(LEGS)  # lu, the most a foot was behind its mate in its swing
+        self.usual_lag = zeros(LEGS)  # lu, the mean of that over swings that were not held up, at most 0.04 of the leg
+        self.rises_first = zeros(LEGS)  # 1: held up in the swing before, the foot first gets free of that in this one
+        self.shortened = zeros(LEGS)  # lu, how much shorter of its way the foot in the air is sent
+        self.stuck_score = zeros(LEGS)  # twice the swings that were held up, less those that were not
+        self.held_up_in_row = zeros(LEGS >> 1)  # swings: of the front feet, of the hind feet
         self.load_q12 = zeros(LEGS)  # own weight Q12, what each foot is expected to carry
         self.hip_feet = Feet()  # lu from the hips
         self.flags = zeros(LEGS)  # leg.LIMIT_...: which joints of each leg were limited
         self.joints = zeros(JOINTS)  # brad that reach them
         self.joints_before = zeros(JOINTS)  # brad, the same a tick ago
-        self.posed = Pose()  # the pose of the tick before
+        self.last_pose = Pose()  # the pose of the tick before
         self.past_x = zeros(DELAY_TICKS * LEGS)  # lu: rings of where the feet were planned
         self.past_z = zeros(DELAY_TICKS * LEGS)
-        self.past_stands = zeros(DELAY_TICKS)  # bits: ring of the legs that stood
+        self.past_stance = zeros(DELAY_TICKS)  # bits: ring of the legs that stood
 
 
 @hot
@@ -103,34 +103,34 @@ def trot_reset(params: Params, walk: Trot) -> None:
     state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
     state.known = 0
     state.pushed = 0
-    state.heading_18 = 0
+    state.heading_error_18 = 0
     state.lift = setup.low_lift
     state.high_left = 0
     state.uneven_q4 = 0
     state.swinging = 0
     state.standing = LEGS
     state.still_q20 = 0
-    state.blocked = 0
-    state.touched = 0
-    state.held_ticks = 0
+    state.held_up_count = 0
+    state.early_contacts = 0
+    state.stuck_ticks = 0
     for axis in range(2):
         state.slope_q20[axis] = 0
-        state.seen[axis] = 0
-        state.drift_q8[axis] = 0
+        state.measured_speed[axis] = 0
+        state.speed_integral_q8[axis] = 0
     for axis in range(POSE_AXES):
-        walk.posed[axis] = 0
+        walk.last_pose[axis] = 0
     for leg in range(LEGS):
         limb = params.legs[leg]
-        walk.stands[leg] = 1
-        walk.met[leg] = 0
+        walk.stance[leg] = 1
+        walk.early_contact[leg] = 0
         walk.load_q12[leg] = 0
-        walk.held[leg] = 0
-        walk.frees[leg] = 0
-        walk.short[leg] = 0
-        walk.peak[leg] = 0
-        walk.usual[leg] = 0
-        walk.jams[leg] = 0
-        walk.rows[leg >> 1] = 0
+        walk.held_up[leg] = 0
+        walk.rises_first[leg] = 0
+        walk.shortened[leg] = 0
+        walk.peak_lag[leg] = 0
+        walk.usual_lag[leg] = 0
+        walk.stuck_score[leg] = 0
+        walk.held_up_in_row[leg >> 1] = 0
         foot = walk.feet.legs[leg]
         foot.x = limb.rest.x << LF_BITS
         foot.y = limb.rest.y << LF_BITS

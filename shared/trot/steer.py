@@ -34,30 +34,30 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Turn, pose: Pose) ->
     state.foot_speed.x = (told_x >> 5) * setup.rolling_q15 >> 10
     state.foot_speed.y = (told_y >> 5) * setup.rolling_q15 >> 10
     if state.known == 0 or state.high_left:
-        state.drift_q8.x = 0
-        state.drift_q8.y = 0
+        state.speed_integral_q8.x = 0
+        state.speed_integral_q8.y = 0
     else:
-        state.drift_q8.x = reach_speed(params, told_x, walk.odometry.speed.x, state.drift_q8.x)
-        state.drift_q8.y = reach_speed(params, told_y, walk.odometry.speed.y, state.drift_q8.y)
-    state.drive.x = state.foot_speed.x + (state.drift_q8.x >> 8)
-    state.drive.y = state.foot_speed.y + (state.drift_q8.y >> 8)
+        state.speed_integral_q8.x = reach_speed(params, told_x, walk.odometry.speed.x, state.speed_integral_q8.x)
+        state.speed_integral_q8.y = reach_speed(params, told_y, walk.odometry.speed.y, state.speed_integral_q8.y)
+    state.stance_speed.x = state.foot_speed.x + (state.speed_integral_q8.x >> 8)
+    state.stance_speed.y = state.foot_speed.y + (state.speed_integral_q8.y >> 8)
     feel_push(params, walk)
-    state.capture.x = capture_point(params, state.seen.x - state.foot_speed.x)
-    state.capture.y = capture_point(params, state.seen.y - state.foot_speed.y)
+    state.capture.x = capture_point(params, state.measured_speed.x - state.foot_speed.x)
+    state.capture.y = capture_point(params, state.measured_speed.y - state.foot_speed.y)
     if state.high_left:
         wait_for_feet(params, walk, pose)
-    turn = speed.wz + ((pose.yaw - walk.posed.yaw) * _BRAD_18 >> 10)
-    walk.posed.yaw = pose.yaw
+    turn = speed.wz + ((pose.yaw - walk.last_pose.yaw) * _BRAD_18 >> 10)
+    walk.last_pose.yaw = pose.yaw
     if walk.wish.moving:
         missed = turn - saturate(turned.z, -_HEADING_MAX, _HEADING_MAX)
-        state.heading_18 = saturate(state.heading_18 + missed, -_HEADING_MAX, _HEADING_MAX)
-        turn += state.heading_18 * setup.heading_q16 >> 16
+        state.heading_error_18 = saturate(state.heading_error_18 + missed, -_HEADING_MAX, _HEADING_MAX)
+        turn += state.heading_error_18 * setup.heading_kp_q16 >> 16
     state.turn_18 = saturate(turn, -_TURN_MAX, _TURN_MAX)
     if walk.wish.moving == 0:
-        state.drive.x = 0
-        state.drive.y = 0
-        state.drift_q8.x = 0
-        state.drift_q8.y = 0
+        state.stance_speed.x = 0
+        state.stance_speed.y = 0
+        state.speed_integral_q8.x = 0
+        state.speed_integral_q8.y = 0
 
 
 @hot
@@ -72,7 +72,9 @@ def feel_push(params: Params, walk: Trot) -> None:
     most = params.trot.pushed_speed
     before = state.pushed
     state.pushed = 0
-    if overspeed(state.seen.x, state.foot_speed.x) <= most and overspeed(state.seen.y, state.foot_speed.y) <= most:
+    seen = state.measured_speed
+    told = state.foot_speed
+    if overspeed(seen.x, told.x) <= most and overspeed(seen.y, told.y) <= most:
         return
     if before or (state.high_left and params.trot.hurries_high):
         state.pushed = 2
@@ -111,10 +113,10 @@ def reach_speed(params: Params, told: int, gone: int, drift_q8: int) -> int:
     missed = saturate(told - gone, -_SPEED_MAX, _SPEED_MAX)
     if told < 0:
         told = -told
-    most = (told * _MORE_Q8 >> 8) + params.trot.drift_least
+    most = (told * _MORE_Q8 >> 8) + params.trot.speed_integral_least
     if missed > most or missed < -most:
         return drift_q8
-    drift_q8 += missed * params.trot.drift_q15 >> 7
+    drift_q8 += missed * params.trot.speed_ki_q15 >> 7
     most <<= 8
     return saturate(drift_q8, -most, most)
 
@@ -138,10 +140,10 @@ def wait_for_feet(params: Params, walk: Trot, pose: Pose) -> None:
     ahead = state.foot_speed.x
     if (ahead > 0 and slow < 0) or (ahead < 0 and slow > 0):
         return
-    drive = state.drive.x - slow
+    drive = state.stance_speed.x - slow
     if ((ahead > 0 and drive < 0) or (ahead < 0 and drive > 0)) and climbs(params, walk) == 0:
         drive = 0
-    state.drive.x = drive
+    state.stance_speed.x = drive
 
 
 @hot
@@ -152,7 +154,7 @@ def lean(params: Params, walk: Trot, tilt: Ints, turned: Turn, pose: Pose) -> No
     it. Intermediates: 2^13 * 2^15.3.
     """
     state = walk.state
-    posed = walk.posed
+    posed = walk.last_pose
     roll = saturate(tilt[ROLL], -_TILT_MAX, _TILT_MAX)
     pitch = saturate(tilt[PITCH], -_TILT_MAX, _TILT_MAX)
     state.tilt_q14.roll = tilt_to_come(params, roll, 0)
@@ -165,8 +167,8 @@ def lean(params: Params, walk: Trot, tilt: Ints, turned: Turn, pose: Pose) -> No
     else:
         state.roll_18 = turn_along(pose.roll - posed.roll)
         state.pitch_18 = turn_along(pose.pitch - posed.pitch)
-    state.drive.x += pose.x - posed.x << LF_BITS
-    state.drive.y += pose.y - posed.y << LF_BITS
+    state.stance_speed.x += pose.x - posed.x << LF_BITS
+    state.stance_speed.y += pose.y - posed.y << LF_BITS
     posed.x = pose.x
     posed.y = pose.y
     posed.roll = pose.roll
@@ -206,10 +208,10 @@ def rise(params: Params, walk: Trot, pose: Pose) -> None:
     state = walk.state
     total = 0
     for leg in range(LEGS):
-        if walk.stands[leg]:
+        if walk.stance[leg]:
             total += walk.feet.legs[leg].z >> LF_BITS
-    state.rise = 0
+    state.rise_speed = 0
     if state.standing:
         low = saturate(params.trot.height + pose.z + total // state.standing, -16383, 16383)
-        state.rise = (low * params.trot.raise_q16 >> 8) + (pose.z - walk.posed.z << LF_BITS)
-    walk.posed.z = pose.z
+        state.rise_speed = (low * params.trot.raise_q16 >> 8) + (pose.z - walk.last_pose.z << LF_BITS)
+    walk.last_pose.z = pose.z

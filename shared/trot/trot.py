@@ -83,12 +83,12 @@ def keep_past(walk: Trot) -> None:
     for leg in range(LEGS):
         foot = walk.feet.legs[leg]
         ahead = foot.x >> LF_BITS
-        if walk.stands[leg] == 0:
-            ahead += walk.short[leg]
+        if walk.stance[leg] == 0:
+            ahead += walk.shortened[leg]
         walk.past_x[to] = ahead
         walk.past_z[to] = foot.z >> LF_BITS
         to += 1
-    walk.past_stands[state.ring_at] = 15 - state.swinging
+    walk.past_stance[state.ring_at] = 15 - state.swinging
     state.ring_at = state.ring_at + 1 & 15
 
 

@@ -19,9 +19,9 @@ class Odometry:
     def __init__(self, rate_hz, leg_m, sent_ticks):
         self.rate_hz, self.leg_m, self.sent_ticks = rate_hz, leg_m, sent_ticks
         self.share = 1 / (1 + SMOOTH_S * rate_hz)
-        self.x = self.y = self.yaw = self.way = self.slip = self.doubt = 0.0
+        self.x = self.y = self.yaw = self.walked = self.slip = self.heading_sigma = 0.0
         self.vx = self.vy = self.wz = 0.0
-        self.astray = [0.0, 0.0]
+        self.heading_spread = [0.0, 0.0]
         self.before, self.stands, self.borne = None, [0] * 4, [0.0] * 4
 
     def step(self, feet, rolled, forces, swinging, turned, tilt, walks):
@@ -61,13 +61,13 @@ class Odometry:
         return [min(was, force) ** 2 for was, force in zip(before, carried)]
 
     def move(self, shift, turn, slip, walks, by_gyro):
-        """Move by a shift and a turn, and let the doubts grow."""
+        """Move by a shift and a turn, and let the uncertainties grow."""
         if walks:
-            self.way += math.sqrt(shift[0] ** 2 + shift[1] ** 2)
+            self.walked += math.sqrt(shift[0] ** 2 + shift[1] ** 2)
             self.slip += slip
-            self.doubt += slip / self.leg_m / (256 if by_gyro else 16)
+            self.heading_sigma += slip / self.leg_m / (256 if by_gyro else 16)
             if by_gyro:
-                self.doubt += BIAS_RAD_S / self.rate_hz
+                self.heading_sigma += BIAS_RAD_S / self.rate_hz
         self.vx += self.share * (shift[0] * self.rate_hz - self.vx)
         self.vy += self.share * (shift[1] * self.rate_hz - self.vy)
         half = self.yaw + turn / 2
@@ -75,13 +75,13 @@ class Odometry:
         dy = shift[0] * math.sin(half) + shift[1] * math.cos(half)
         self.x, self.y, self.yaw = self.x + dx, self.y + dy, self.yaw + turn
         if walks:
-            doubt = min(0.5, self.doubt)
-            self.astray = [self.astray[0] - dy * doubt, self.astray[1] + dx * doubt]
+            sigma, (x, y) = min(0.5, self.heading_sigma), self.heading_spread
+            self.heading_spread = [x - dy * sigma, y + dx * sigma]
 
     def spread(self):
-        """Return the vectors: (scaled x, y), apart; m."""
-        share = limit(1 / 256 + (self.slip / self.way / 8 if self.way else 0.0), 0.0, 1.0)
-        return (self.x * share, self.y * share), 0.001 + self.way / 256 + self.slip / 32
+        """Return the vectors: (scale_spread x, y), place_spread; m."""
+        share = limit(1 / 256 + (self.slip / self.walked / 8 if self.walked else 0.0), 0.0, 1.0)
+        return (self.x * share, self.y * share), 0.001 + self.walked / 256 + self.slip / 32
 
 
 def body_turn(turned, tilt):

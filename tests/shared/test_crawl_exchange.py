@@ -57,13 +57,13 @@ class Pair:
             standing=numbers.state == n.STANDING,
             walked=numbers.gait,
             held=numbers.mover == MOVER_TROT and self.held_up(robot.trot),
-            moved=robot.trot.state.seen.x * self.robot.unit_m / 256,
+            moved=robot.trot.state.measured_speed.x * self.robot.unit_m / 256,
             known=robot.sensing.known,
         )
 
     def held_up(self, trot):
         """Return whether it was held up for too long, or by a wall."""
-        return trot.state.held_ticks > PATIENCE_S * self.robot.rate_hz or max(trot.rows) >= PATIENCE
+        return trot.state.stuck_ticks > PATIENCE_S * self.robot.rate_hz or max(trot.held_up_in_row) >= PATIENCE
 
     def move(self, robot, command, sensed):
         """Stand in for shared.planner.planner.move: one tick of the mover whose turn it is."""
@@ -117,8 +117,8 @@ class Pair:
         robot = self.walker.planner
         assert pack(robot.speed) == [0, 0, 0]
         assert (self.status.mover, self.status.state) == (MOVER_TROT, n.WALKING)
-        assert robot.trot.state.held_ticks == 0
-        assert list(robot.trot.rows) == [0, 0]
+        assert robot.trot.state.stuck_ticks == 0
+        assert list(robot.trot.held_up_in_row) == [0, 0]
 
     def compare(self, standing):
         """The same stage, reason, state, gait and flag."""
@@ -170,8 +170,8 @@ def trouble(pair, dice):
     sensed.valid.joints = int(dice.random() > 0.002)
     sensed.valid.tilt = int(dice.random() > 0.002)
     if dice.random() < 0.01 and numbers.mover == MOVER_TROT:
-        pair.walker.planner.trot.state.held_ticks = dice.choice(HELD)
-        pair.walker.planner.trot.rows[:] = dice.choice(ROWS)
+        pair.walker.planner.trot.state.stuck_ticks = dice.choice(HELD)
+        pair.walker.planner.trot.held_up_in_row[:] = dice.choice(ROWS)
     if dice.random() < 0.3 and phase(pair.walker.planner) == ON:
         pair.walker.planner.crawl.even.even_steps = dice.choice((0, 15, 16, 20))
 
@@ -213,7 +213,7 @@ TROTS = st.fixed_dictionaries(
         "state": st.sampled_from((n.STANDING, n.WALKING)),
         "gait": st.sampled_from((1, 1, 2, 0)),
         "fallen": st.sampled_from((0, 0, 0, 1)),
-        "backs": st.sampled_from((0, 0, 1)),
+        "backing_off": st.sampled_from((0, 0, 1)),
     }
 )
 SHARED_WALKER = Walker()
@@ -227,7 +227,7 @@ def put(drawn, speed, command):
         setattr(robot.status, name, value)
     robot.gait = robot.gaits[drawn["gait"]]
     robot.status.mover = MOVER_TROT if drawn["gait"] else MOVER_TABLE
-    robot.status.reason, robot.status.flags, pair.twin.stage = 0, 0, BACK if drawn["backs"] else OFF
+    robot.status.reason, robot.status.flags, pair.twin.stage = 0, 0, BACK if drawn["backing_off"] else OFF
     block.mode, block.gait = command
     unpack(block.speed, speed)
     return pair, robot, block
@@ -241,7 +241,7 @@ def test_the_crawl_begins_for_the_same_reason_at_any_point(drawn, speed, command
     sensed.valid.joints, sensed.valid.tilt = senses & 1, senses >> 1
     retreat.retreat_start(robot.retreat)
     pair.twin.retreat = twin.Retreat(pair.robot, Doubt())
-    robot.trot.state.held_ticks, robot.trot.rows[:], robot.speed.vx = held, rows, 99
+    robot.trot.state.stuck_ticks, robot.trot.held_up_in_row[:], robot.speed.vx = held, rows, 99
     pair.choose(robot, block, sensed)
     ended = before == MOVER_TROT and robot.status.mover != MOVER_TROT
     assert robot.speed.vx == (0 if ended or robot.status.mover == MOVER_CRAWL else 99)

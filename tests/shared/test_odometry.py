@@ -130,12 +130,13 @@ def test_feet_alone_tell_the_turn(speed):
         x, y, yaw = walk(pair, 400, still, gyro=turned, walks=walks)
         assert math.dist(pair.place_m, (x, y)) < 0.002 + 0.01 * abs(yaw)
         assert abs(pair.yaw_rad - yaw) < 0.01 * abs(yaw) + 1e-3
-    assert (pair.core.way, pair.core.slip, pair.core.doubt_q26) == (0, 0, 0), "nothing is doubted while it stands"
+    core = pair.core
+    assert (core.walked, core.slip, core.heading_sigma_q26) == (0, 0, 0), "nothing is doubted while it stands"
 
 
 @pytest.mark.parametrize(("name", "rate_hz"), [(name, rate_hz) for name in NAMES for rate_hz in (20, 50, 500)])
 def test_feet_that_slip_move_it_like_the_float_twin(name, rate_hz):
-    """Measured: 0.45 mm and 3 mrad in 500 ticks, a turn by the feet within 1/1000; the doubts within an eighth."""
+    """Measured: 0.45 mm and 3 mrad in 500 ticks, a turn by the feet within 1/1000; the spreads within an eighth."""
     for seed, speed in enumerate(WAYS):
         pair = Pair(name, rate_hz)
         walk(pair, 500, speed, gyro=seed % 2 == 0, slip_m=0.002, tilted=True, seed=seed)
@@ -146,20 +147,21 @@ def test_feet_that_slip_move_it_like_the_float_twin(name, rate_hz):
         speed = [value * fine for value in pack(core.speed)]
         assert speed == pytest.approx([twin.vx, twin.vy], abs=0.002 * rate_hz / 50)
         assert core.turning / 2**24 * rate_hz == pytest.approx(twin.wz, abs=0.004 * rate_hz / 50)
-        doubts_agree(pair)
+        spreads_agree(pair)
 
 
-def doubts_agree(pair):
-    """Way, slip, doubt and the vectors of the covariance are those of the twin."""
+def spreads_agree(pair):
+    """Way, slip, heading_sigma and the vectors of the covariance are those of the twin."""
     twin, core, unit_m = pair.twin, pair.core, pair.unit_m
     o.odometry_spread(pair.params, core)
-    scaled, apart = twin.spread()
-    assert core.way * unit_m == pytest.approx(twin.way, rel=0.13, abs=0.002)
+    scale_spread, place_spread = twin.spread()
+    assert core.walked * unit_m == pytest.approx(twin.walked, rel=0.13, abs=0.002)
     assert core.slip * unit_m == pytest.approx(twin.slip, rel=0.05, abs=0.002)
-    assert core.doubt_q26 / 2**26 == pytest.approx(twin.doubt, rel=0.05, abs=1e-4)
-    assert [value * unit_m / 256 for value in pack(core.astray)] == pytest.approx(twin.astray, rel=0.1, abs=0.002)
-    assert [value * unit_m for value in pack(core.scaled)] == pytest.approx(scaled, rel=0.15, abs=0.001)
-    assert core.apart * unit_m == pytest.approx(apart, rel=0.13, abs=0.001)
+    assert core.heading_sigma_q26 / 2**26 == pytest.approx(twin.heading_sigma, rel=0.05, abs=1e-4)
+    by_heading_m = [value * unit_m / 256 for value in pack(core.heading_spread)]
+    assert by_heading_m == pytest.approx(twin.heading_spread, rel=0.1, abs=0.002)
+    assert [value * unit_m for value in pack(core.scale_spread)] == pytest.approx(scale_spread, rel=0.15, abs=0.001)
+    assert core.place_spread * unit_m == pytest.approx(place_spread, rel=0.13, abs=0.001)
 
 
 def test_a_foot_counts_by_the_square_of_what_it_carries_and_not_while_it_swings():
@@ -214,7 +216,7 @@ def test_where_no_foot_carries_it_goes_on_as_it_went_and_lost_it_stands():
     pair.step([(x - 0.05, y) for x, y in FEET_M], turned=(0, 0, 0.1))
     assert pack(pair.core.place) == lost, "nothing is told by legs that were not seen a tick ago"
     o.odometry_restart(pair.core)
-    assert (pack(pair.core.place), pair.core.heading, pair.core.way) == ([0, 0], 0, 0)
+    assert (pack(pair.core.place), pair.core.heading, pair.core.walked) == ([0, 0], 0, 0)
 
 
 @pytest.mark.parametrize("force", [0.0, 0.06])
@@ -245,19 +247,19 @@ def test_the_heading_goes_on_for_many_turns():
 @given(st.integers(0, 3), st.booleans(), st.integers(-32767, 32767), st.integers(-32767, 32767), st.integers(0, 2**25))
 @repeatable(300)
 def test_at_its_ends_it_stays(corner, walks, ahead, aside, near):
-    """8 km from where it began it is told to be there; the way and the doubts, too, stay at their largest."""
+    """8 km from where it began it is told to be there; the way and the uncertainties, too, stay at their largest."""
     core, params = o.Odometry(), block("caramelo")
     signs = (1 if corner & 1 else -1), (1 if corner & 2 else -1)
     unpack(core.place, [sign * (FAR - near % 12000) for sign in signs])
-    unpack(core.astray, [sign * (SUM - near % 4096) for sign in signs])
-    core.way = core.slip = FAR - near % 4096
-    core.doubt_q26 = SUM - near % 4096
+    unpack(core.heading_spread, [sign * (SUM - near % 4096) for sign in signs])
+    core.walked = core.slip = FAR - near % 4096
+    core.heading_sigma_q26 = SUM - near % 4096
     core.heading = (near << 1) - (1 << 25) >> 2
     o.place_body(ahead, aside, 32768, int(walks), core)
     o.count_way(params, ahead, aside, 131068, core)
     o.odometry_spread(params, core)
     assert max(abs(value) for value in pack(core)) < 1 << 30
     assert max(abs(value) for value in pack(core.place)) <= FAR
-    assert core.way <= FAR
-    assert core.doubt_q26 <= SUM
+    assert core.walked <= FAR
+    assert core.heading_sigma_q26 <= SUM
     assert FAR / (1 << params.length_shift) == pytest.approx(8191.5)

@@ -365,13 +365,13 @@ def test_balance_without_attitude_is_reported_and_fades():
     walker.sensed.tilt[0] = 600
     for _ in range(50):
         assert walker.tick() & n.NO_ATTITUDE == 0
-    assert walker.planner.posed.roll < -100
+    assert walker.planner.last_pose.roll < -100
     walker.sensed.valid.tilt = 0
-    before = walker.planner.posed.roll
+    before = walker.planner.last_pose.roll
     assert walker.tick() & n.NO_ATTITUDE
-    assert 0 < walker.planner.posed.roll - before <= walker.params.pose_slew.roll
+    assert 0 < walker.planner.last_pose.roll - before <= walker.params.pose_slew.roll
     walker.ticks(200)
-    assert walker.planner.posed.roll == 0
+    assert walker.planner.last_pose.roll == 0
 
 
 def test_the_body_pose_is_limited_and_slewed():

@@ -60,7 +60,7 @@ def test_who_is_lifted(seed):
     walker.stand()
     planner, began = walker.planner, 0
     status = planner.status
-    status.felt_q12 = status.carries = 0
+    status.feet_load_q12 = status.carries_weight = 0
     for weight in weights(dice, 20000):
         mode = dice.choice((c.MODE_WALK,) * 300 + (c.MODE_STAND,) * 2 + (c.MODE_SIT, c.MODE_LIMP))
         status.flags = 0
@@ -69,7 +69,7 @@ def test_who_is_lifted(seed):
         assert put_down(planner, mode) == int(bool(status.flags & n.LIFTED))
         rule.told(mode)
         planner.odometry.carried_q12 = round(4096 * weight)
-        risen, felt = dice.random() < 0.01, status.felt_q12
+        risen, felt = dice.random() < 0.01, status.feet_load_q12
         planner.sensing.known = walker.params.sent_ticks + 4 if risen else 100
         stands = status.state == n.STANDING
         watch_weight(planner)
@@ -79,8 +79,8 @@ def test_who_is_lifted(seed):
         if begins:
             assert (status.state, bool(status.flags & n.LIFTED)) == (n.RISING, True)
             began += 1
-        assert status.felt_q12 / 4096 == pytest.approx(rule.felt, abs=BOUND)
-        assert (status.carries, status.lifted) == (int(rule.carries), int(rule.lifted))
+        assert status.feet_load_q12 / 4096 == pytest.approx(rule.felt, abs=BOUND)
+        assert (status.carries_weight, status.lifted) == (int(rule.carries), int(rule.lifted))
     assert began > 5
 
 
@@ -118,7 +118,7 @@ def test_felt_and_missed():
         loaded(walker, float(walker.state != n.LIMP))
     for _ in range(20):
         loaded(walker, 1.0)
-    assert walker.planner.status.carries
+    assert walker.planner.status.carries_weight
     walker.mode(c.MODE_WALK)
     walker.gait("trot")
     while not walker.planner.status.lifted:

@@ -30,7 +30,7 @@ OFF, READY, ON, BACK = range(4)  # of the crawl: the trot walks, loads are waite
 def phase(planner):
     """Return OFF .. BACK of a planner."""
     if planner.status.mover != MOVER_CRAWL:
-        return BACK if planner.status.backs else OFF
+        return BACK if planner.status.backing_off else OFF
     return READY if planner.crawl.stage.stage == STILL else ON
 
 

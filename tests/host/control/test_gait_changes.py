@@ -35,7 +35,7 @@ WAITS, CRAWLS = (MOVER_CRAWL, 0, crawl.STILL), (MOVER_CRAWL, 0, crawl.LIFT)
 def put(driver, phase):
     """Bring a planner into one of TROTS .. CRAWLS."""
     status = driver.planner.status
-    status.mover, status.backs, driver.planner.crawl.stage.stage = phase
+    status.mover, status.backing_off, driver.planner.crawl.stage.stage = phase
 
 
 def seen(driver, *states):

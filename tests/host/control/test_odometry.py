@@ -90,12 +90,13 @@ def test_a_walk_in_the_plane_is_told_within_some_per_cent():
 def test_the_covariance_is_that_of_its_error_vectors():
     params, block = Params(), Odometry()
     params.length_shift, params.rate_hz = 16, 50
-    block.place.x, block.astray.y = 65536 * 4, 65536 * 64
-    block.way, block.doubt_q26 = 65536 * 4, 1 << 22
+    block.place.x, block.heading_spread.y = 65536 * 4, 65536 * 64
+    block.walked, block.heading_sigma_q26 = 65536 * 4, 1 << 22
     told = read_odometry(params, block)
-    apart_m, scaled_m, astray_m, doubt_rad = 0.001 + 4 / 256, 4 / 256, 0.25, 1 / 16
+    place_spread_m, scale_spread_m, heading_spread_m, sigma_rad = 0.001 + 4 / 256, 4 / 256, 0.25, 1 / 16
     xx, xy, xt, yx, yy, yt, tx, ty, tt = told.covariance
-    assert xx == pytest.approx(scaled_m**2 + apart_m**2, rel=1e-2)
-    assert (yy, yt, tt) == pytest.approx((astray_m**2 + apart_m**2, astray_m * doubt_rad, doubt_rad**2), rel=1e-2)
+    assert xx == pytest.approx(scale_spread_m**2 + place_spread_m**2, rel=1e-2)
+    yy_told = heading_spread_m**2 + place_spread_m**2
+    assert (yy, yt, tt) == pytest.approx((yy_told, heading_spread_m * sigma_rad, sigma_rad**2), rel=1e-2)
     assert (xy, xt) == (yx, tx) == (0.0, 0.0)
     assert ty == yt

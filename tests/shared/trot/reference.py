@@ -68,23 +68,23 @@ class FloatTrot:
         self.delay = 1 + math.floor(robot.bus.delay_s * rate_hz + 1e-9)
         self.late = tuning.LATE_PER_S * robot.bus.delay_s
         self.feet = [list(self.at_hip(leg, robot.foot_m(leg, self.h))) for leg in range(4)]
-        self.starts = [list(foot) for foot in self.feet]
+        self.lift_offs = [list(foot) for foot in self.feet]
         self.phase = tuning.STANCE_SHARE / 2 - 0.25
-        self.seen, self.drift, self.foot_speed = [0.0] * 2, [0.0] * 2, [0.0] * 2
+        self.measured_speed, self.drift, self.foot_speed = [0.0] * 2, [0.0] * 2, [0.0] * 2
         self.heading = self.high_left = self.u = 0.0
         self.pushed = False
         self.hurries_high = tuning.can_lift(robot, figures, tuning.HURRY)
-        self.load, self.stands, self.met = [0.0] * 4, [1] * 4, [0] * 4
+        self.load, self.stance, self.early_contact = [0.0] * 4, [1] * 4, [0] * 4
         self.low, self.high = tuning.LOW_LIFT * self.leg_m, tuning.HIGH_LIFT * self.leg_m
         self.highest = tuning.HIGHEST_LIFT * self.leg_m
-        self.lift, self.tops, self.ascent = self.low, [self.low] * 4, [0.0] * 4
-        self.held, self.short, self.peak, self.usual = [False] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
-        self.frees = [False] * 4
+        self.lift, self.apex, self.ascent_lag = self.low, [self.low] * 4, [0.0] * 4
+        self.held_up, self.shortened, self.peak_lag, self.usual_lag = [False] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
+        self.rises_first = [False] * 4
         self.known, self.measured, self.before, self.free = 0, None, None, None
         self.residual = [[0.0, 0.0] for _ in range(4)]
         self.past = deque(maxlen=16)  # (feet, stands) of the ticks before
         self.joints, self.slope, self.uneven = None, [0.0, 0.0], 0.0
-        self.posed, self.moving = [0.0] * 6, False
+        self.last_pose, self.moving = [0.0] * 6, False
 
     # --- one leg
 
@@ -123,7 +123,7 @@ class FloatTrot:
 
     def feel(self, senses):
         if not senses.known:
-            self.known, self.seen = 0, list(self.foot_speed)
+            self.known, self.measured_speed = 0, list(self.foot_speed)
             return
         feet = [self.forward(leg, senses.joints[3 * leg : 3 * leg + 3]) for leg in range(4)]
         if self.known:
@@ -146,7 +146,8 @@ class FloatTrot:
         share = self.dt / (self.dt + self.f.stance_s / 4)
         for i in range(2):
             if speeds:
-                self.seen[i] += share * (sum(speed[i] for speed in speeds) / len(speeds) - self.seen[i])
+                mean = sum(speed[i] for speed in speeds) / len(speeds)
+                self.measured_speed[i] += share * (mean - self.measured_speed[i])
 
     def see_residual(self, feet):
         share = self.dt / (self.dt + tuning.FREE_LAG_SHARE * self.f.lag_s)
@@ -160,7 +161,7 @@ class FloatTrot:
         """Follow the slope of the measured feet that stand: a step of normalized least mean squares."""
         x, y = self.tilt
         feet = [(*foot[:2], foot[2] + foot[1] * x - foot[0] * y) for foot in self.measured]
-        feet = [foot for foot, stands in zip(feet, self.stands, strict=True) if stands]
+        feet = [foot for foot, stands in zip(feet, self.stance, strict=True) if stands]
         if len(feet) < 2:
             return
         middle = [sum(foot[i] for foot in feet) / len(feet) for i in range(3)]
@@ -180,7 +181,7 @@ class FloatTrot:
 
     def steer(self, speed, rates, pose, moving, went):
         """Write the speeds of the feet, the turn and the further footholds."""
-        self.drive, self.capture = [0.0, 0.0], [0.0, 0.0]
+        self.stance_speed, self.capture = [0.0, 0.0], [0.0, 0.0]
         self.was_pushed, self.pushed = self.pushed, False
         for i in range(2):
             foot = self.foot_speed[i] = speed[i] * self.rolling
@@ -190,24 +191,24 @@ class FloatTrot:
                 self.drift[i] = limit(self.drift[i] + tuning.DRIFT_SHARE * missed * self.dt / self.f.cycle_s, most)
             if self.high_left or not self.known:
                 self.drift[i] = 0.0
-            self.drive[i] = foot + self.drift[i]
-            self.pushed |= abs(self.seen[i]) - abs(foot) > tuning.PUSHED_FROUDE * math.sqrt(G * self.h)
-            self.capture[i] = limit((self.seen[i] - foot) * self.f.capture_s, self.f.capture_most_m)
+            self.stance_speed[i] = foot + self.drift[i]
+            self.pushed |= abs(self.measured_speed[i]) - abs(foot) > tuning.PUSHED_FROUDE * math.sqrt(G * self.h)
+            self.capture[i] = limit((self.measured_speed[i] - foot) * self.f.capture_s, self.f.capture_most_m)
         self.pushed &= bool(self.was_pushed or not self.high_left or self.hurries_high)
         self.skips = self.pushed and not self.was_pushed and not self.high_left
         if self.high_left:
             rest = sum(place[0] for place in self.f.rests_m) / 4 - pose[0]
             off = sum(foot[0] for foot in self.feet) / 4 - rest
             wait = (off - limit(off, 8 / 1024 * self.leg_m)) * 8 / self.f.cycle_s
-            self.drive[0] += 0.0 if wait * self.foot_speed[0] > 0 else wait
-            if self.drive[0] * self.foot_speed[0] < 0 and not self.climbs():
-                self.drive[0] = 0.0
-        turn = speed[2] + (pose[5] - self.posed[5]) / self.dt
+            self.stance_speed[0] += 0.0 if wait * self.foot_speed[0] > 0 else wait
+            if self.stance_speed[0] * self.foot_speed[0] < 0 and not self.climbs():
+                self.stance_speed[0] = 0.0
+        turn = speed[2] + (pose[5] - self.last_pose[5]) / self.dt
         if moving:
             self.heading = limit(self.heading + (turn - rates[2]) * self.dt, 0.5)
             turn += self.heading * tuning.HEADING_HZ
         else:
-            self.drive, self.drift = [0.0, 0.0], [0.0, 0.0]
+            self.stance_speed, self.drift = [0.0, 0.0], [0.0, 0.0]
         self.turn = limit(turn, TURN_MAX / self.dt)
 
     def lean(self, tilt, rates, pose, balance):
@@ -217,18 +218,18 @@ class FloatTrot:
         gain = tuning.LEVEL_SHARE / self.f.tipping_s
         turns = [-gain * (tilt[i] - pose[i + 3]) for i in range(2)]
         if not (balance and self.known):
-            turns = [(pose[i + 3] - self.posed[i + 3]) / self.dt for i in range(2)]
+            turns = [(pose[i + 3] - self.last_pose[i + 3]) / self.dt for i in range(2)]
         self.level = [limit(turn, TURN_MAX / self.dt) for turn in turns]
         for i in range(2):
-            self.drive[i] += (pose[i] - self.posed[i]) / self.dt
-        self.rise = (pose[2] - self.posed[2]) / self.dt
-        self.posed = list(pose)
+            self.stance_speed[i] += (pose[i] - self.last_pose[i]) / self.dt
+        self.rise_speed = (pose[2] - self.last_pose[2]) / self.dt
+        self.last_pose = list(pose)
 
     def lift_on(self):
         self.lift = self.low
         if self.high_left:
             self.lift = self.high
-            gone = max(0.05, abs(self.seen[0]) + abs(self.seen[1])) * self.dt
+            gone = max(0.05, abs(self.measured_speed[0]) + abs(self.measured_speed[1])) * self.dt
             self.high_left = max(0.0, self.high_left - (0.0 if self.climbs() else gone))
 
     def climbs(self):
@@ -239,24 +240,24 @@ class FloatTrot:
 
     def go_on(self, moving):
         if not moving:
-            self.phase, self.stands, self.met = tuning.STANCE_SHARE / 2 - 0.25, [1] * 4, [0] * 4
+            self.phase, self.stance, self.early_contact = tuning.STANCE_SHARE / 2 - 0.25, [1] * 4, [0] * 4
             return
-        hurries = self.pushed and not all(self.stands)
+        hurries = self.pushed and not all(self.stance)
         self.phase = (self.phase + (tuning.HURRY if hurries else 1.0) * self.dt / self.f.cycle_s) % 1.0
         if hurries and self.skips:
             self.phase += max(0.0, 1 - 2 * self.u) * (1 - tuning.STANCE_SHARE)
         for leg in range(4):
             part = (self.phase + 0.5 * LATER[leg]) % 1.0 - tuning.STANCE_SHARE
             if part < 0:
-                self.stands[leg] = 1
+                self.stance[leg] = 1
                 self.land(leg, part + tuning.STANCE_SHARE)
                 continue
             self.u = part / (1 - tuning.STANCE_SHARE)
-            if self.met[leg] == 0:
-                if self.stands[leg]:
-                    self.starts[leg] = to_level(self.feet[leg], *self.then)
+            if self.early_contact[leg] == 0:
+                if self.stance[leg]:
+                    self.lift_offs[leg] = to_level(self.feet[leg], *self.then)
                     self.begin_swing(leg)
-                self.stands[leg] = self.react(leg)
+                self.stance[leg] = self.react(leg)
 
     def react(self, leg):
         """Look at one foot in the air; return 1 if it stands from now on."""
@@ -265,42 +266,42 @@ class FloatTrot:
         up = self.residual[leg][1]
         if self.u <= 0.5:
             if self.u > 0.1:
-                self.ascent[leg] = max(self.ascent[leg], -up)
-        elif up > 31 / 1024 * self.leg_m + 1.5 * max(0.0, self.ascent[leg] - 15 / 1024 * self.leg_m):
+                self.ascent_lag[leg] = max(self.ascent_lag[leg], -up)
+        elif up > 31 / 1024 * self.leg_m + 1.5 * max(0.0, self.ascent_lag[leg] - 15 / 1024 * self.leg_m):
             self.high_left = tuning.HIGH_LENGTHS * self.f.length_m
             self.meet_ground(leg, 0.25)
             return 1
         if self.u > 0.1:
             self.hold_up(leg)
         behind = self.residual[leg][0] / (2 if self.foot_speed[0] else 1)
-        self.short[leg] = -behind if self.held[leg] else 0.0
+        self.shortened[leg] = -behind if self.held_up[leg] else 0.0
         return 0
 
     def begin_swing(self, leg):
-        self.tops[leg] = self.swing_top(leg)
-        alone = self.tops[leg ^ 1] < self.highest and not self.climbs()
-        self.frees[leg] = bool(self.held[leg] and self.high_left and alone)
-        if not self.held[leg]:
-            self.usual[leg] = min(0.75 * self.usual[leg] + 0.25 * self.peak[leg], 41 / 1024 * self.leg_m)
-        self.held[leg], self.peak[leg], self.short[leg] = False, 0.0, 0.0
-        self.ascent[leg], self.stands[leg] = 0.0, 0
+        self.apex[leg] = self.swing_apex(leg)
+        alone = self.apex[leg ^ 1] < self.highest and not self.climbs()
+        self.rises_first[leg] = bool(self.held_up[leg] and self.high_left and alone)
+        if not self.held_up[leg]:
+            self.usual_lag[leg] = min(0.75 * self.usual_lag[leg] + 0.25 * self.peak_lag[leg], 41 / 1024 * self.leg_m)
+        self.held_up[leg], self.peak_lag[leg], self.shortened[leg] = False, 0.0, 0.0
+        self.ascent_lag[leg], self.stance[leg] = 0.0, 0
 
-    def swing_top(self, leg):
-        return self.highest if self.high_left and self.held[leg] else self.lift
+    def swing_apex(self, leg):
+        return self.highest if self.high_left and self.held_up[leg] else self.lift
 
     def hold_up(self, leg):
-        high = self.tops[leg] >= self.high
+        high = self.apex[leg] >= self.high
         behind = self.residual[3 - leg][0] - self.residual[leg][0]
         if self.foot_speed[0] < 0:
             behind = -behind
         turning = 2 * abs(self.f.rests_m[0][1]) * tuning.TURN_LATE_S * abs(self.turn)
         most = min((61 if self.u <= 0.4 or high else 26) / 1024 * self.leg_m, tuning.HELD_PUSH * self.f.gives_m)
-        self.peak[leg] = max(self.peak[leg], behind)
-        most += self.usual[leg] + turning
+        self.peak_lag[leg] = max(self.peak_lag[leg], behind)
+        most += self.usual_lag[leg] + turning
         if behind > most and (high or behind > (1 + self.late) * most or not self.may_be_late(leg)):
-            self.held[leg] = True
+            self.held_up[leg] = True
             if not high:
-                self.tops[leg], self.high_left = self.high, tuning.HIGH_LENGTHS * self.f.length_m
+                self.apex[leg], self.high_left = self.high, tuning.HIGH_LENGTHS * self.f.length_m
 
     def may_be_late(self, leg):
         gone, mate_gone = (self.measured[at][0] - self.before[at][0] for at in (leg, 3 - leg))
@@ -312,8 +313,8 @@ class FloatTrot:
         """Look at a foot that stands by plan for a share of a cycle: where it climbs, did it land too high?"""
         high = self.known > self.delay and self.residual[leg][1] > 51 / 1024 * self.leg_m
         if stood > tuning.LANDING_SHARE + self.delay * self.dt / self.f.cycle_s:
-            self.met[leg] = 0
-        elif self.met[leg] == 0 and high and self.climbs():
+            self.early_contact[leg] = 0
+        elif self.early_contact[leg] == 0 and high and self.climbs():
             self.meet_ground(leg, 0.5)
 
     def meet_ground(self, leg, share):
@@ -321,19 +322,20 @@ class FloatTrot:
         met = z + y * self.tilt[0] - x * self.tilt[1] + self.h - self.ground_z(x, y)
         given = met if abs(met) < 36 / 1024 * self.leg_m else met - share * met
         self.feet[leg] = [x, y, z - given]
-        self.load[leg], self.met[leg] = 0.25, 2
+        self.load[leg], self.early_contact[leg] = 0.25, 2
 
     # --- where the feet go
 
     def stand_feet(self, pose):
-        count = sum(self.stands)
-        mean_z = sum(foot[2] for foot, stands in zip(self.feet, self.stands, strict=True) if stands) / max(1, count)
-        rise = (self.h + pose[2] + mean_z) / (2 * self.f.cycle_s) + self.rise if count else 0.0
+        count = sum(self.stance)
+        mean_z = sum(foot[2] for foot, stands in zip(self.feet, self.stance, strict=True) if stands) / max(1, count)
+        rise = (self.h + pose[2] + mean_z) / (2 * self.f.cycle_s) + self.rise_speed if count else 0.0
         (wx, wy), wz = self.level, self.turn
         for leg in range(4):
-            if self.stands[leg]:
+            if self.stance[leg]:
                 x, y, z = self.feet[leg]
-                back = self.drive[0] - wz * y + wy * z, self.drive[1] + wz * x - wx * z, wx * y - wy * x + rise
+                ahead, aside = self.stance_speed
+                back = ahead - wz * y + wy * z, aside + wz * x - wx * z, wx * y - wy * x + rise
                 self.feet[leg] = [p - speed * self.dt for p, speed in zip((x, y, z), back, strict=True)]
                 if self.known > self.delay:
                     over = max(0.0, self.residual[leg][1] - 123 / 1024 * self.leg_m)
@@ -344,22 +346,22 @@ class FloatTrot:
         along, down, up = way(min(1.0, u / tuning.AHEAD_SHARE)), way(u), (1 - math.cos(2 * math.pi * u)) / 2
         rising = min(1.0, max(0.0, (u - tuning.FREE_FROM) / (tuning.FREE_TO - tuning.FREE_FROM)))
         for leg in range(4):
-            if self.stands[leg] == 0:
+            if self.stance[leg] == 0:
                 rest = self.f.rests_m[leg][0] - pose[0], self.f.rests_m[leg][1] - pose[1]
                 turning = -self.turn * rest[1], self.turn * rest[0]
-                place, gone = [], way(rising) if self.frees[leg] else along
+                place, gone = [], way(rising) if self.rises_first[leg] else along
                 for i in range(2):
                     target = rest[i] + self.capture[i] + (self.foot_speed[i] + turning[i]) * self.f.neutral_s
-                    back = (self.drive[i] + turning[i]) * self.f.swing_s
-                    start = self.starts[leg][i]
+                    back = (self.stance_speed[i] + turning[i]) * self.f.swing_s
+                    start = self.lift_offs[leg][i]
                     place.append(start + (target - start + back) * gone - back * u)
-                start = self.starts[leg][2]
-                place[0] -= self.short[leg]
-                if self.frees[leg] and u < 0.5:
+                start = self.lift_offs[leg][2]
+                place[0] -= self.shortened[leg]
+                if self.rises_first[leg] and u < 0.5:
                     back = tuning.DRAW_BACK * self.leg_m * (1 - math.cos(4 * math.pi * u)) / 2
                     place[0] -= math.copysign(back, self.foot_speed[0])
                 low = self.ground_z(*place) - self.h - pose[2]
-                z = start + (low - start) * down + self.tops[leg] * up
+                z = start + (low - start) * down + self.apex[leg] * up
                 self.feet[leg] = to_body((*place, z), *self.then)
 
     # --- one tick
@@ -377,9 +379,9 @@ class FloatTrot:
         self.go_on(moving)
         self.stand_feet(pose)
         self.swing_feet(pose)
-        short = [0.0 if stands else short for stands, short in zip(self.stands, self.short, strict=True)]
+        short = [0.0 if stands else short for stands, short in zip(self.stance, self.shortened, strict=True)]
         free = [(foot[0] + less, foot[1], foot[2]) for foot, less in zip(self.feet, short, strict=True)]
-        self.past.append((free, list(self.stands)))
+        self.past.append((free, list(self.stance)))
         return self.goals()
 
     def goals(self):
@@ -389,15 +391,15 @@ class FloatTrot:
         step = 0.5 / max(1.0, tuning.LOAD_SHARE * self.f.stance_s / self.dt) / (1 if self.moving else 8)
         goals = []
         for leg in range(4):
-            wanted = 1 / max(1, sum(self.stands)) if self.stands[leg] else 0.0
+            wanted = 1 / max(1, sum(self.stance)) if self.stance[leg] else 0.0
             self.load[leg] += limit(wanted - self.load[leg], step)
-            led = self.f.lag_s / self.dt * (1.0 if self.stands[leg] else 0.5)
+            led = self.f.lag_s / self.dt * (1.0 if self.stance[leg] else 0.5)
             joints = self.joints[3 * leg : 3 * leg + 3]
             give, steps = self.sag(leg, joints, self.feet[leg]), [q - before[3 * leg + i] for i, q in enumerate(joints)]
             slides = (0.0, 0.0, 0.0)
-            if self.met[leg] == 2:
-                self.met[leg], led = 1, 0.0
-            elif self.stands[leg] and not self.high_left:
+            if self.early_contact[leg] == 2:
+                self.early_contact[leg], led = 1, 0.0
+            elif self.stance[leg] and not self.high_left:
                 slides = self.slide(steps, give)
             for i, q in enumerate(joints):
                 low, high = self.robot.joint_limits_rad(leg)[i]

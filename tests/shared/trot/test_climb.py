@@ -10,7 +10,7 @@ from shared.sense.legs import MeasuredFeet
 from shared.sense.odometry import Odometry
 from shared.trot.clock import go_on
 from shared.trot.ground import climbs, rise_q20
-from shared.trot.react import MET, MET_NOW, count_held, count_row, lift_on, swing_top
+from shared.trot.react import EARLY, EARLY_NOW, count_held_up, count_in_row, lift_on, swing_apex
 from shared.trot.state import CYCLE_Q20, Trot
 from shared.trot.trot import trot_start
 
@@ -59,8 +59,8 @@ def test_swings_stay_high_while_it_climbs_and_no_longer(pair):
 @pytest.mark.parametrize("high", [0, 1])
 def test_the_next_swing_is_highest_after_one_that_was_held_up_while_swings_are_high(pair, held, high):
     state, setup, walk = pair.walk.state, pair.params.trot, pair.walk
-    state.lift, state.high_left, walk.held[1] = setup.high_lift, high * setup.high_way, held
-    assert swing_top(pair.params, walk, 1) == (setup.highest_lift if held and high else setup.high_lift)
+    state.lift, state.high_left, walk.held_up[1] = setup.high_lift, high * setup.high_way, held
+    assert swing_apex(pair.params, walk, 1) == (setup.highest_lift if held and high else setup.high_lift)
 
 
 @pytest.mark.parametrize(("swings", "rows"), [
@@ -78,9 +78,9 @@ def test_swings_held_up_in_a_row_are_counted_for_the_front_and_the_hind_feet(pai
     state, walk = pair.walk.state, pair.walk
     state.foot_speed.x = way * 1000
     for leg, held, rise in swings:
-        walk.held[leg], state.slope_q20.x = held, round((way or 1) * rise * 2**20 * 0.99)
-        count_row(walk, leg)
-    assert list(walk.rows) == (rows if way else [0, 0])
+        walk.held_up[leg], state.slope_q20.x = held, round((way or 1) * rise * 2**20 * 0.99)
+        count_in_row(walk, leg)
+    assert list(walk.held_up_in_row) == (rows if way else [0, 0])
 
 
 @pytest.mark.parametrize(("high", "slope", "stood", "met_before", "known", "taken"), [
@@ -88,7 +88,7 @@ def test_swings_held_up_in_a_row_are_counted_for_the_front_and_the_hind_feet(pai
     (0.04, 0.25, 0.5, 0, 100, False),  # it sags as much
     (0.06, 0.0, 0.5, 0, 100, False),  # on the level it lags as much in a high swing
     (0.06, 0.25, 1.5, 0, 100, False),  # the joints tell of its load by now, not of its landing
-    (0.06, 0.25, 0.5, MET, 100, False),  # once a landing
+    (0.06, 0.25, 0.5, EARLY, 100, False),  # once a landing
     (0.06, 0.25, 0.5, 0, 1, False),  # nothing is measured yet
 ])
 def test_a_foot_that_landed_on_higher_ground_takes_it_as_it_is(pair, high, slope, stood, met_before, known, taken):
@@ -98,14 +98,14 @@ def test_a_foot_that_landed_on_higher_ground_takes_it_as_it_is(pair, high, slope
     rest, landed = pair.params.legs[1].rest, walk.measured.legs[1]
     copy(rest, landed)
     landed.z += round(high * pair.params.leg_length)
-    walk.residual_z[1], walk.met[1] = round(high * pair.params.leg_length), met_before
+    walk.residual_z[1], walk.early_contact[1] = round(high * pair.params.leg_length), met_before
     before, after_landing = [pack(foot) for foot in walk.feet.legs], stood > 1
     walk.wish.moving = 1
     state.phase_q20 = (CYCLE_Q20 >> 1) + round(stood * setup.landing_q20) - setup.phase_step_q20
     go_on(pair.params, walk, 0)
     changed = [pack(foot) != was for foot, was in zip(walk.feet.legs, before, strict=True)]
     assert changed == [False, taken, False, False]
-    assert walk.met[1] == (MET_NOW if taken else 0 if after_landing else met_before)
+    assert walk.early_contact[1] == (EARLY_NOW if taken else 0 if after_landing else met_before)
     if taken:
         assert walk.feet.legs[1].x == rest.x << 8
 
@@ -129,7 +129,7 @@ def test_a_foot_swings_again_after_it_met_something_however_late_the_bus_is(rate
     step = params.trot.phase_step_q20
     for first in range(0, step, step // 20):
         trot_start(params, walk)
-        walk.wish.moving, walk.met[:], swung = 1, [MET, 0, 0, MET], 0
+        walk.wish.moving, walk.early_contact[:], swung = 1, [EARLY, 0, 0, EARLY], 0
         walk.state.phase_q20, walk.state.pushed = first, pushed
         for _ in range(CYCLE_Q20 // step):
             go_on(params, walk, 0)
@@ -146,17 +146,17 @@ def test_where_it_climbs_a_swing_that_was_held_up_counts_only_if_it_is_slow(
     pair, way, climbing, held, of_speed, counts
 ):
     state, walk = pair.walk.state, pair.walk
-    state.foot_speed.x, state.seen.x, walk.held[2] = way * 1000, round(way * 1000 * of_speed), held
+    state.foot_speed.x, state.measured_speed.x, walk.held_up[2] = way * 1000, round(way * 1000 * of_speed), held
     state.slope_q20.x, state.uneven_q4 = climbing * way << 18, UNEVEN_Q4
-    count_held(pair.params, walk, 2)
-    assert walk.jams[2] == counts
+    count_held_up(pair.params, walk, 2)
+    assert walk.stuck_score[2] == counts
 
 
 def test_to_be_held_up_never_becomes_usual(pair):
     for _ in range(100):
-        pair.walk.peak[2] = pair.params.leg_length >> 2
-        count_held(pair.params, pair.walk, 2)
-    assert pair.walk.usual[2] == pair.params.leg_length * 41 >> 10
+        pair.walk.peak_lag[2] = pair.params.leg_length >> 2
+        count_held_up(pair.params, pair.walk, 2)
+    assert pair.walk.usual_lag[2] == pair.params.leg_length * 41 >> 10
 
 
 def test_the_way_with_high_swings_is_as_the_floats_say(pair):

@@ -14,7 +14,7 @@ from shared.record import unpack
 from shared.sense.legs import MeasuredFeet
 from shared.sense.odometry import Odometry
 from shared.trot.lead import lead, slide
-from shared.trot.react import MET_NOW, held_up, may_be_late
+from shared.trot.react import EARLY_NOW, may_be_late, see_held_up
 from shared.trot.state import Trot
 from shared.trot.trot import trot_start
 
@@ -90,8 +90,8 @@ def test_only_legs_that_stand_and_move_are_led_and_none_once_something_was_met()
     rest, goal = list(walk.joints), [0] * 12
     lead(params, walk, goal)
     assert goal == rest
-    for leg, (stands, met, share) in enumerate(((1, 0, 1.0), (0, 0, 0.5), (1, MET_NOW, 0.0), (1, 0, 1.0))):
-        walk.stands[leg], walk.met[leg] = stands, met
+    for leg, (stands, met, share) in enumerate(((1, 0, 1.0), (0, 0, 0.5), (1, EARLY_NOW, 0.0), (1, 0, 1.0))):
+        walk.stance[leg], walk.early_contact[leg] = stands, met
         walk.joints_before[3 * leg + 1] = rest[3 * leg + 1] - 400
         lead(params, walk, goal)
         lag = share * 400 * params.trot.lag_q8 / 256
@@ -137,8 +137,8 @@ def test_a_foot_is_held_up_when_it_pushes_with_0_285_of_the_weight(name, pushes,
         unpack(walk.before, [0] * 12)
         unpack(walk.measured, [100] * 12)
         walk.residual_x[leg] = -round(gives_m * (1 << params.length_shift))
-        held_up(params, walk, leg)
-        assert walk.held[leg] == held
+        see_held_up(params, walk, leg)
+        assert walk.held_up[leg] == held
 
 
 @pytest.mark.parametrize("name", ["caramelo", "parallel"])

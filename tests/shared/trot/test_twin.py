@@ -95,7 +95,7 @@ class Pair:
             yield n
 
     def _compare(self, goals):
-        assert list(self.walk.stands) == self.twin.stands
+        assert list(self.walk.stance) == self.twin.stance
         for mine, other in zip(self.goal, goals, strict=True):
             self.worst_brad = max(self.worst_brad, abs(mine - other * BRAD_PER_RAD))
         for mine, foot in zip(self.walk.feet.legs, self.twin.feet, strict=True):
@@ -130,8 +130,8 @@ def test_integers_and_floats_agree(name, rate_hz):
     wander(pair, 12.0, seed=5)
     assert pair.worst_brad < MOST_BRAD
     assert pair.worst_m < MOST_M
-    assert pair.walk.state.blocked == 0
-    assert pair.walk.state.touched == 0
+    assert pair.walk.state.held_up_count == 0
+    assert pair.walk.state.early_contacts == 0
 
 
 def test_a_foot_that_meets_something_is_the_same_in_both():
@@ -139,10 +139,10 @@ def test_a_foot_that_meets_something_is_the_same_in_both():
     pair = Pair("caramelo", 50)
     for _ in pair.walk_with_a_held_foot():
         pass
-    assert pair.walk.state.blocked + pair.walk.state.touched > 0
+    assert pair.walk.state.held_up_count + pair.walk.state.early_contacts > 0
     assert pair.walk.state.high_left > 0
     assert pair.twin.high_left > 0
-    assert max(pair.walk.tops) == pair.params.trot.highest_lift
+    assert max(pair.walk.apex) == pair.params.trot.highest_lift
     assert pair.worst_m < MOST_M
 
 
@@ -152,7 +152,7 @@ def test_a_foot_that_lands_on_higher_ground_where_it_climbs_is_the_same_in_both(
     for _ in pair.walk_with_a_held_foot(first=113, ticks=5):
         pair.walk.state.slope_q20.x, pair.twin.slope[0] = 1 << 18, 0.25
         pair.walk.state.uneven_q4, pair.twin.uneven = UNEVEN_Q4, pair.scale.metres(UNEVEN_Q4 / 16)
-    assert pair.walk.state.touched == 1
+    assert pair.walk.state.early_contacts == 1
     assert pair.worst_m < MOST_M
 
 
@@ -165,9 +165,9 @@ def test_a_foot_that_was_held_up_rises_before_it_goes_ahead():
     walk, way_m = pair.walk, []
     for _ in pair.walk_with_a_held_foot():
         for leg, foot in enumerate(walk.feet.legs):
-            if walk.frees[leg] and not walk.stands[leg]:
+            if walk.rises_first[leg] and not walk.stance[leg]:
                 x, z = pair.scale.metres(foot.x / 256), pair.scale.metres(foot.z / 256)
-                way_m.append((x - pair.scale.metres(walk.starts.legs[leg].x), z + pair.twin.h))
+                way_m.append((x - pair.scale.metres(walk.lift_offs.legs[leg].x), z + pair.twin.h))
     leg_m = pair.twin.leg_m
     assert min(x for x, _ in way_m) < -0.9 * tuning.DRAW_BACK * leg_m
     assert next(z for x, z in way_m if x > 0.02 * leg_m) > 0.3 * leg_m

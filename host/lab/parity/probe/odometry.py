@@ -54,10 +54,10 @@ def _anywhere(dice):
     """All that adds up near its ends."""
     for axis in range(2):
         WAY.place[axis] = FAR - dice.bits(20) if dice.bits(1) else dice.bits(20) - FAR
-        WAY.astray[axis] = SUM - dice.bits(20) if dice.bits(1) else dice.bits(20) - SUM
-    WAY.way = dice.bits(30) & FAR
-    WAY.slip = WAY.way >> dice.bits(3)
-    WAY.doubt_q26 = SUM - dice.bits(20)
+        WAY.heading_spread[axis] = SUM - dice.bits(20) if dice.bits(1) else dice.bits(20) - SUM
+    WAY.walked = dice.bits(30) & FAR
+    WAY.slip = WAY.walked >> dice.bits(3)
+    WAY.heading_sigma_q26 = SUM - dice.bits(20)
     WAY.heading = 0x7FFFFF - dice.bits(10)
 
 

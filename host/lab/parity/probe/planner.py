@@ -58,8 +58,8 @@ def restart(robot: Planner):
     own += (robot.sensed.valid, robot.sensed.tilt, robot.sensed.joints, robot.sensed.turned)
     own += (trot.state, trot.measured, trot.before, trot.residual_x, trot.residual_z, trot.joints)
     own += (trot.free_x_q4, trot.free_z_q4, trot.past_x, trot.past_z)
-    own += (trot.met, trot.stands, trot.load_q12, trot.feet, trot.wish)
-    own += (trot.starts, trot.ascent, trot.tops, trot.joints_before, trot.past_stands, trot.hip_feet)
+    own += (trot.early_contact, trot.stance, trot.load_q12, trot.feet, trot.wish)
+    own += (trot.lift_offs, trot.ascent_lag, trot.apex, trot.joints_before, trot.past_stance, trot.hip_feet)
     for block in (robot.status, robot.clock, robot.joints, robot.move, robot.leg_flags, robot.goal) + own:
         clear(block)
     robot.gait = robot.gaits[0]
@@ -126,9 +126,9 @@ def _live_about_to_lift(values, dice):
     robot: Planner = values[0]
     status = robot.status
     robot.odometry.carried_q12 = dice.bits(17) - 65536
-    status.carries = dice.bits(1)
-    status.felt_q12 = dice.bits(11) if dice.bits(2) else dice.bits(17) - 65536
-    status.shifts = 0 if dice.bits(2) else 1
+    status.carries_weight = dice.bits(1)
+    status.feet_load_q12 = dice.bits(11) if dice.bits(2) else dice.bits(17) - 65536
+    status.pose_moves = 0 if dice.bits(2) else 1
     robot.sensing.known = robot.params.sent_ticks + 4 - dice.bits(1)
     status.lifted = dice.bits(1)
 
@@ -223,7 +223,7 @@ STATE = (ROBOTS[0].status, ROBOTS[1].status, ROBOTS[0].joints, ROBOTS[1].joints)
 FEET = (ROBOTS[0].feet, ROBOTS[1].feet)
 POSES = STATE + (ROBOTS[0].pose, ROBOTS[1].pose)
 BELIEVED = STATE + (row_of(ROBOTS[0].sensed), row_of(ROBOTS[1].sensed))
-RETREATS = (ROBOTS[0].back, ROBOTS[0].retreat, ROBOTS[1].back, ROBOTS[1].retreat)
+RETREATS = (ROBOTS[0].backing_command, ROBOTS[0].retreat, ROBOTS[1].backing_command, ROBOTS[1].retreat)
 TROTS = STATE + (ROBOTS[0].trot.state, ROBOTS[0].trot.feet, ROBOTS[1].trot.state, ROBOTS[1].trot.feet)
 
 
@@ -303,11 +303,11 @@ PARTS = (
     _part(weight, "put_down", (ROBOT, ANY_MODE), fit=_live_about_to_lift),
     _part(planner_states, "watch_tilt", (ROBOT, SENSED, ANY_MODE)),
     _part(planner_steps, "wanted_gait", (ROBOT, COMMAND)),
-    _part(planner_steps, "limit_to_both", (ROBOT, GAIT), watch=(ROBOTS[0].top, ROBOTS[1].top)),
+    _part(planner_steps, "limit_to_both", (ROBOT, GAIT), watch=(ROBOTS[0].top_speed, ROBOTS[1].top_speed)),
     _part(planner_steps, "within_speed", (ROBOT, GAIT), watch=()),
     _part(planner_steps, "use_gait", (ROBOT, GAIT)),
     _part(planner_pose, "pose_legs", (ROBOT, COMMAND, SENSED)),
-    _part(planner_pose, "level", (ROBOT, COMMAND, SENSED), watch=(ROBOTS[0].posed, ROBOTS[1].posed)),
+    _part(planner_pose, "level", (ROBOT, COMMAND, SENSED), watch=(ROBOTS[0].last_pose, ROBOTS[1].last_pose)),
     _part(planner_pose, "tell_margin", (ROBOT,)),
     _part(planner_pose, "solve_legs", (ROBOT, GOAL), watch=(GOAL,)),
 )

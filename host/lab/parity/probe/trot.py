@@ -24,17 +24,18 @@ FEET = MeasuredFeet()
 SENSING = Sensing()
 ODOMETRY = Odometry()
 WALK = state.Trot(FEET, ODOMETRY)
-LEGS_OF = (WALK.stands, WALK.met, WALK.tops, WALK.load_q12, WALK.ascent, WALK.residual_x, WALK.residual_z)
-HELD = (WALK.held, WALK.frees, WALK.jams, WALK.rows, WALK.peak, WALK.usual, WALK.short)
-STATE = (WALK.state, WALK.feet, WALK.starts) + LEGS_OF + HELD
-PAST = (WALK.before, WALK.joints_before, WALK.posed, WALK.past_x, WALK.past_z)
+SWINGS = (WALK.stance, WALK.early_contact, WALK.apex, WALK.load_q12, WALK.ascent_lag, WALK.residual_x, WALK.residual_z)
+HELD_UP = (WALK.held_up, WALK.rises_first, WALK.stuck_score, WALK.held_up_in_row)
+LAGS = (WALK.peak_lag, WALK.usual_lag, WALK.shortened)
+STATE = (WALK.state, WALK.feet, WALK.lift_offs) + SWINGS + HELD_UP + LAGS
+PAST = (WALK.before, WALK.joints_before, WALK.last_pose, WALK.past_x, WALK.past_z)
 FREE = (WALK.free_x_q4, WALK.free_z_q4)
 ALL = STATE + (WALK.heights, WALK.measured, WALK.joints) + FREE + PAST
 
 
 def _begin():
     sensed = (SENSED.tilt, SENSED.joints, SENSED.turned, SENSED.valid)
-    for block in ALL + (WALK.wish, WALK.hip_feet, WALK.past_stands, GOAL, SENSING, ODOMETRY) + sensed:
+    for block in ALL + (WALK.wish, WALK.hip_feet, WALK.past_stance, GOAL, SENSING, ODOMETRY) + sensed:
         clear(block)
     state.trot_reset(PARAMS[0], WALK)
 
@@ -82,11 +83,11 @@ def _moving(values, dice):
     """The same, with a foot of the drawn leg in the air, mostly far from where it was sent."""
     _live(values, dice)
     leg = values[2]
-    WALK.stands[leg] = 0
-    WALK.met[leg] = 0
+    WALK.stance[leg] = 0
+    WALK.early_contact[leg] = 0
     WALK.state.known = 100
     WALK.state.swing_q15 = SHARE.any(dice)
-    WALK.frees[leg] = dice.bits(1)
+    WALK.rises_first[leg] = dice.bits(1)
     for foot in range(4):
         WALK.residual_x[foot] = dice.bits(13) - 4096
         WALK.residual_z[foot] = dice.bits(13) - 4096
@@ -95,7 +96,7 @@ def _moving(values, dice):
 def _landing(values, dice):
     """The same, but the foot stands."""
     _moving(values, dice)
-    WALK.stands[values[2]] = 1
+    WALK.stance[values[2]] = 1
 
 
 def _leg_moving(values, dice):
@@ -119,7 +120,7 @@ def _lunging(values, dice):
     """At speeds about those of a push."""
     _live(values, dice)
     for axis in range(2):
-        WALK.state.seen[axis] = dice.bits(20) - (1 << 19)
+        WALK.state.measured_speed[axis] = dice.bits(20) - (1 << 19)
     WALK.state.high_left = dice.bits(1)
 
 
@@ -147,11 +148,11 @@ PROBES = (
     _probe(clock, "move_phase", (ROBOT, WALK, FLAG), watch=(WALK.state,)),
     _probe(clock, "stand_all", (WALK,), fit=_done),
     _probe(react, "react", (ROBOT, WALK, LEG), fit=_moving),
-    _probe(react, "held_up", (ROBOT, WALK, LEG), fit=_moving),
+    _probe(react, "see_held_up", (ROBOT, WALK, LEG), fit=_moving),
     _probe(react, "may_be_late", (WALK, LEG), fit=_leg_moving),
-    _probe(react, "count_held", (ROBOT, WALK, LEG), fit=_moving),
-    _probe(react, "count_row", (WALK, LEG), fit=_leg_moving),
-    _probe(react, "swing_top", (ROBOT, WALK, LEG), fit=_moving),
+    _probe(react, "count_held_up", (ROBOT, WALK, LEG), fit=_moving),
+    _probe(react, "count_in_row", (WALK, LEG), fit=_leg_moving),
+    _probe(react, "swing_apex", (ROBOT, WALK, LEG), fit=_moving),
     _probe(react, "give_way", (WALK, LEG), fit=_leg_moving),
     _probe(react, "land", (ROBOT, WALK, LEG), fit=_landing),
     _probe(react, "meet_ground", (ROBOT, WALK, LEG, Range(1, 2)), fit=_moving),
@@ -176,11 +177,11 @@ PROBES = (
     _probe(feet, "settle_foot", (WALK, LEG, SHARE, Range(-32767, 0), SHARE), fit=_leg_moving),
     _probe(lead, "share_load", (ROBOT, WALK)),
     _probe(lead, "solve", (ROBOT, WALK), watch=(WALK.joints, WALK.hip_feet)),
-    _probe(lead, "lead", (ROBOT, WALK, GOAL), watch=(GOAL, WALK.met)),
+    _probe(lead, "lead", (ROBOT, WALK, GOAL), watch=(GOAL, WALK.early_contact)),
     _probe(lead, "slide", (ROBOT, WALK, LEG, GOAL), watch=(GOAL,)),
     _probe(trot, "trot_start", (ROBOT, WALK), watch=(WALK.feet, WALK.joints)),
     _probe(trot, "trot_tick", (ROBOT, WALK, SENSED, SPEED, POSE, GOAL), watch=ALL + (GOAL, WALK.flags), vectors=4),
     _probe(trot, "forget", (SENSED,), watch=(SENSED.tilt, SENSED.turned), fit=None),
-    _probe(trot, "keep_past", (WALK,), watch=(WALK.past_x, WALK.past_z, WALK.past_stands), fit=_done),
+    _probe(trot, "keep_past", (WALK,), watch=(WALK.past_x, WALK.past_z, WALK.past_stance), fit=_done),
     _probe(trot, "trot_done", (WALK,), fit=_done),
 )

@@ -79,7 +79,7 @@ def test_level_ground(name, speed):
         assert got == pytest.approx(asked, rel=0.05, abs=unit)
     assert max(tilts) < 5.0
     assert not walk.trunk
-    assert walk.driver.planner.trot.state.blocked == 0
+    assert walk.driver.planner.trot.state.held_up_count == 0
 
 
 @pytest.mark.parametrize("knees", ["full-knee", "elbow-knee", "knee-elbow"])
@@ -93,7 +93,7 @@ def test_other_knees_walk_at_their_top_speed(knees):
     speeds, tilts = walk.steady(5.0)
     assert speeds[0] == pytest.approx(speed, rel=0.05)
     assert max(tilts) < 8.0
-    assert walk.driver.planner.trot.state.blocked == 0
+    assert walk.driver.planner.trot.state.held_up_count == 0
 
 
 CONDITIONS = [
@@ -164,7 +164,7 @@ def test_before_a_wall_it_knows_that_it_does_not_get_on(name, speed):
     held_s = []
     for _ in range(8):
         walk.go(1.0)
-        held_s.append(walk.driver.planner.trot.state.held_ticks / walk.driver.rate_hz)
+        held_s.append(walk.driver.planner.trot.state.stuck_ticks / walk.driver.rate_hz)
     assert held_s[1] < 0.5
     assert max(held_s) > 1.0
 
@@ -195,7 +195,7 @@ def watched(height_m, start_m, seconds):
     def looked():
         tick()
         watch.look()
-        if walk.driver.planner.status.backs:
+        if walk.driver.planner.status.backing_off:
             backing_m.append(walk.walker.world.position_m()[0])
 
     walk.walker.tick = looked
