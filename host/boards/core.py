@@ -49,7 +49,7 @@ def kept_cores() -> list[Path]:
 def find_core(root: Path = ROOT) -> Path | None:
     """Return the folder of the compiled core of ``root``; None if there is none from these sources.
 
-None also if CARAMELO_CORE is "source".
+    None also if CARAMELO_CORE is "source".
     """
     if os.environ.get(SWITCH) == "source" or not (PACKED.is_dir() or kept_cores()):
         return None
@@ -60,7 +60,7 @@ None also if CARAMELO_CORE is "source".
 def use_core() -> bool:
     """Let this process use the core's machine code instead of its sources; return whether it does.
 
-It does not if a part of shared/ is already imported: half of each would not fit.
+    It does not if a part of shared/ is already imported: half of each would not fit.
     """
     if any(name.startswith(f"{PACKAGE}.") for name in sys.modules):
         return False

@@ -116,7 +116,7 @@ class Bus(ABC):
     def try_torque(self) -> bool:
         """Switch torque on without taking longer than a tick; False: call again in the next tick.
 
-UserError if it can't be done. A bus that needs only one exchange does it at once.
+        UserError if it can't be done. A bus that needs only one exchange does it at once.
         """
         self.torque(True)
         return True

@@ -18,7 +18,7 @@ GROUP = typer.Typer(help="Look at a board, reset it, use its prompt.", no_args_i
 def info(port: Port, as_json: Json = False) -> int:
     """Print what a board is and which firmware it holds. The command stops its application and starts it again.
 
-It also checks that a freshly installed MicroPython answers.
+    It also checks that a freshly installed MicroPython answers.
 
     Example: caramelo board info --port /dev/ttyACM0
     """

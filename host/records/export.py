@@ -19,7 +19,7 @@ JOINT_LABELS = [f"{leg}_{joint}" for leg in LEG_NAMES for joint in JOINT_NAMES]
 def export_csv(record: Record, folder: Path, progress: Progress = lambda done: None) -> list[Path]:
     """Write the files of a record that has been read to its end, all or none; return their paths.
 
-UserError if a message is not a JSON object, or has other values than the first of its channel.
+    UserError if a message is not a JSON object, or has other values than the first of its channel.
     """
     paths = paths_of(record, folder)
     again = Record(record.path)

@@ -60,7 +60,7 @@ def find_record(path: Path) -> Path:
 def read_record(path: Path, wanted: Fields = CHANNELS, progress: Progress = lambda done: None) -> Record:
     """Return a record, for a folder the newest, with the wanted fields of the wanted topics.
 
-UserError if the file is not a record, or if a wanted message differs from docs/records.md.
+    UserError if the file is not a record, or if a wanted message differs from docs/records.md.
     """
     record = Record(find_record(path), {topic: Rows(topic, fields) for topic, fields in wanted.items()})
     with telling(record):

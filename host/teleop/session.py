@@ -61,7 +61,7 @@ class Options:
 class Session:
     """A drive of a robot with ``hardware``, which is opened when the drive begins.
 
-``say`` prints a line of the start-up; ``free`` is called at the end, once the joints are let go.
+    ``say`` prints a line of the start-up; ``free`` is called at the end, once the joints are let go.
     """
 
     def __init__(

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 def plain(text: str) -> str:
     """Return a text that a terminal only shows: writes unprintable characters as escapes, except tabs and line ends.
 
-They are all control characters (ESC and C1 among them), changes of the writing direction, half a surrogate.
+    They are all control characters (ESC and C1 among them), changes of the writing direction, half a surrogate.
     """
     if text.isprintable():
         return text
@@ -112,7 +112,7 @@ def write_note(what: str) -> None:
 def progress(title: str, total: float) -> Iterator[Callable[..., None]]:
     """Yield a function to call with the part of ``total`` done so far; only on a terminal a bar shows it.
 
-A text as second argument appears behind the title.
+    A text as second argument appears behind the title.
     """
     if not sys.stderr.isatty():
         yield lambda done, what="": None

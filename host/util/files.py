@@ -37,8 +37,8 @@ def writing(path: Path) -> Iterator[None]:
 def file_name(foreign: str) -> str:
     """Return a name from a file or a board as the name of one file, which can't lead elsewhere.
 
-All but ASCII letters, digits and ``_.-~`` becomes ``%2F`` and the like, also a leading dot; different names stay
-different.
+    All but ASCII letters, digits and ``_.-~`` becomes ``%2F`` and the like, also a leading dot; different names stay
+    different.
     """
     name = quote(foreign.encode("utf-8", "surrogatepass"), safe="")
     return f"%2E{name[1:]}" if name.startswith(".") else name or "%"

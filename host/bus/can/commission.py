@@ -56,7 +56,7 @@ class Found:
 def run(bus: CanJoints, node: int, verify: bool, show: Callable[[float], None]) -> None:
     """Commission a joint, or verify it; ``show`` gets the elapsed seconds. UserError with the joint's reason.
 
-If this ends before the joint is done, for whatever reason, it disarms the joint.
+    If this ends before the joint is done, for whatever reason, it disarms the joint.
     """
     view = bus.link.views[node]
     kind = COMMISSION_VERIFY if verify else COMMISSION_FULL

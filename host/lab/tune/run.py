@@ -59,7 +59,7 @@ class Tuning:
     def scores(self, candidates: Sequence[Values], seeds: range, told: Callable[[int], None]) -> list[float]:
         """Return the mean score of each candidate's walks; one that can't be built has none.
 
-``told`` gets the number of finished candidates.
+        ``told`` gets the number of finished candidates.
         """
         wanted, robots = self.wanted, [self.wanted.file.like(values) for values in candidates]
         tasks = [walk for robot in robots if robot is not None

@@ -65,7 +65,7 @@ class RobotFile:
     def searched(self, gait: str, speed: bool) -> list[Searched]:
         """Return the values to search: a gait's numbers only for that gait, the speed limit only for the goal speed.
 
-UserError if there are none.
+        UserError if there are none.
         """
         marks, leg_m = sources(self.text), self.robot.geometry.leg_m
         froude_m_s = sqrt(GRAVITY_M_S2 * leg_m)

@@ -40,7 +40,7 @@ class Here:
 def workers(jobs: int = 1, cluster: str = "") -> Iterator[Workers]:
     """Yield the workers: ``jobs`` processes of this computer, or the cluster at an address if there is one.
 
-Ctrl-C drops running tasks. UserError if the cluster can't be used.
+    Ctrl-C drops running tasks. UserError if the cluster can't be used.
     """
     if cluster and jobs > 1:
         raise UserError(f"--jobs {jobs}: not with --cluster, whose own workers do the work")

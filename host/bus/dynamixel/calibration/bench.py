@@ -41,7 +41,7 @@ class Bench:
     def nudge(self, servo: int) -> int:
         """Move a servo a little and back; return +1 if it went to more counts, -1 if to fewer.
 
-A joint at one end of its range goes the other way. ServoError if it goes neither way.
+        A joint at one end of its range goes the other way. ServoError if it goes neither way.
         """
         start = self.position(servo)
         for direction in (1, -1):

@@ -46,7 +46,7 @@ def enter(prompt: str) -> str:
 class AtTerminal:
     """A person at the keyboard. Each answer goes into the file ``record`` at once; older answers stay there.
 
-UserError if the file is not a file of answers.
+    UserError if the file is not a file of answers.
     """
 
     there = True
@@ -82,7 +82,7 @@ UserError if the file is not a file of answers.
 class FromFile:
     """Answers from a file. A missing or refused answer ends the procedure with its key in one line.
 
-``hands``: a person turns joints by hand and presses Enter; without it the simulation turns them.
+    ``hands``: a person turns joints by hand and presses Enter; without it the simulation turns them.
     """
 
     def __init__(self, answers: dict[str, str], where: str, hands: bool = False) -> None:
