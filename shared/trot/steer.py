@@ -72,9 +72,8 @@ def feel_push(params: Params, walk: Trot) -> None:
     most = params.trot.pushed_speed
     before = state.pushed
     state.pushed = 0
-    seen = state.measured_speed
-    told = state.foot_speed
-    if overspeed(seen.x, told.x) <= most and overspeed(seen.y, told.y) <= most:
+    ahead = overspeed(state.measured_speed.x, state.foot_speed.x)
+    if ahead <= most and overspeed(state.measured_speed.y, state.foot_speed.y) <= most:
         return
     if before or (state.high_left and params.trot.hurries_high):
         state.pushed = 2

@@ -336,8 +336,8 @@ def test_one_tick_of_any_words_in_any_state(told, felt):
 
 def every_block(planner):
     """Return all records and arrays of a planner that a tick may change."""
-    names = "top status clock speed pose posed rotation steps move feet hip_feet reached goal joints leg_flags"
-    names += " joints_past tilt_past"
+    names = "top_speed status clock speed pose last_pose rotation steps move feet hip_feet reached goal joints"
+    names += " leg_flags joints_past tilt_past"
     balance, sensed = planner.balance, planner.sensed
     inner = [balance.roll, balance.pitch, balance.correction, sensed.valid, sensed.tilt, sensed.joints, sensed.turned]
     return [getattr(planner, name) for name in names.split()] + inner

@@ -8,6 +8,7 @@ from firmware.chip_flash import ChipFlash
 from firmware.flash_map import BASE, SIZE, sector_at, sector_bytes
 from host.sim.chip import flash as model
 from host.sim.chip.chip import Chip
+from host.sim.chip.view import View
 
 PERIPHERALS, ACR = 0x40000000, 0x40023C00
 CACHES, CACHE_RESETS = 3 << 9, 3 << 11
@@ -19,7 +20,8 @@ class Driver(ChipFlash):
     """The driver on the model, whose memory is looked at without a wait."""
 
     def __init__(self, chip):
-        super().__init__(*(SimpleNamespace(words=chip.view(base, 4, ACCESS_CYCLES)) for base in (PERIPHERALS, BASE)))
+        memory = (View(chip, base, 4, ACCESS_CYCLES) for base in (PERIPHERALS, BASE))
+        super().__init__(*(SimpleNamespace(words=words) for words in memory))
         self.contents = chip.flash.contents
 
     def view(self, at, count):
