@@ -24,8 +24,10 @@ def set_outer_gains(settings: JointSettings, inertia_q12: int, w: int) -> int:
     if inertia_q12 < 16 or inertia_q12 > _INERTIA_MOST:
         return 0
     proportional = ((inertia_q12 * (w >> 3)) + 0x1000) >> 13
+    if proportional < 4 or proportional > _P_MOST:
+        return 0
     integral = (proportional * w + 0x800) >> 12 >> 2
-    if proportional < 4 or proportional > _P_MOST or integral < 1 or integral > _I_MOST:
+    if integral < 1 or integral > _I_MOST:
         return 0
     settings.velocity_p = proportional
     settings.velocity_i = integral

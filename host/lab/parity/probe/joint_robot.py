@@ -25,7 +25,7 @@ FRESH = ((JointState(), STATE), (JointIo(), IO), (Commission(), COMMISSION))
 CURVE = JOINTS[0][2]
 SIGN = Pick(-1, 1)
 
-_PURPOSES = (MODE_OFF, MODE_OFF, MODE_OFF, MODE_OFF, MODE_HOMING, MODE_COMMISSIONING)
+_PURPOSES = (MODE_OFF,) * 14 + (MODE_HOMING, MODE_COMMISSIONING)  # the last two take long
 
 
 fill_sine(LOOP)
@@ -145,7 +145,8 @@ def one_millisecond(dice):
             current_repair(code, MOTION.rotor, invalid, LOOP)
         if LOOP.probing:
             probe_step(LOOP)
-    IO.joint_raw = (MOTION.rotor * 256 // SETTINGS.gear_q8 + dice.bits(1)) & 16383
+    along = STATE.position % (SETTINGS.gear_q8 << 6) * 256 // SETTINGS.gear_q8 * SETTINGS.joint_encoder_sign
+    IO.joint_raw = (SETTINGS.joint_encoder_zero + along + dice.bits(1)) & 16383  # else it could not drive for long
     motion_tick(LOOP, SETTINGS, STATE, IO, COMMISSION)
     if dice.below(50) == 0:
         slow_tick(SETTINGS, STATE, IO, CURVE)
