@@ -24,16 +24,15 @@ def export_csv(record: Record, folder: Path, progress: Progress = lambda done: N
     paths = paths_of(record, folder)
     again = Record(record.path)
     with ExitStack() as stack, telling(again):
-        writers: dict[str, Any] = {}
-        columns: dict[str, list[str]] = {}
+        tables: dict[str, tuple[Any, list[str]]] = {}  # writer and columns
         for channel, time_ns, data in messages(again, progress):
             topic, cells = channel.topic, dict(_cells(values_of(channel, data)))
-            if topic not in writers:
-                columns[topic] = list(cells)
-                writers[topic] = _begin(stack, paths[topic], columns[topic])
-            if list(cells) != columns[topic]:
+            if topic not in tables:
+                tables[topic] = _begin(stack, paths[topic], list(cells)), list(cells)
+            writer, columns = tables[topic]
+            if list(cells) != columns:
                 raise BadValue("it has other values than the first message: allowed: the same in every message")
-            writers[topic].writerow([f"{(time_ns - record.start_ns) / 1e9:.6f}", *cells.values()])
+            writer.writerow([f"{(time_ns - record.start_ns) / 1e9:.6f}", *cells.values()])
     return list(paths.values())
 
 

@@ -139,10 +139,10 @@ def wait_for_feet(params: Params, walk: Trot, pose: Pose) -> None:
     ahead = state.foot_speed.x
     if (ahead > 0 and slow < 0) or (ahead < 0 and slow > 0):
         return
-    drive = state.stance_speed.x - slow
-    if ((ahead > 0 and drive < 0) or (ahead < 0 and drive > 0)) and climbs(params, walk) == 0:
-        drive = 0
-    state.stance_speed.x = drive
+    speed = state.stance_speed.x - slow
+    if ((ahead > 0 and speed < 0) or (ahead < 0 and speed > 0)) and climbs(params, walk) == 0:
+        speed = 0
+    state.stance_speed.x = speed
 
 
 @hot
