@@ -71,6 +71,8 @@ def standing(teleop):
     teleop.say(type="release")
 
     def ready(status):
+        if status["state"] == "lifted":  # raised by its pose it may say so; nothing but a stop and a reset ends that
+            teleop.say(type="stop")
         if status["stop"] or status["state"] in ("fault", "disarmed"):
             teleop.say(type="reset")  # also puts a robot back that has slid down since it was let go
             teleop.say(type="posture", posture="stand")
