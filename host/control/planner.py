@@ -11,7 +11,7 @@ from shared.gait.table import MOVER_TABLE
 from shared.planner import command as core
 from shared.planner.command import MODE_FOLD, MODE_LIMP, MODE_SIT, MODE_STAND, MODE_WALK
 from shared.planner.planner import Planner
-from shared.planner.status import RISING, STANDING, STATE_NAMES
+from shared.planner.status import CARRIES, RISING, STANDING, STATE_NAMES
 from shared.record import pack
 from shared.sense.odometry import odometry_restart
 from shared.sense.sensed import PITCH, ROLL, Sensed
@@ -77,7 +77,7 @@ class Driver:
         status = self.planner.status
         if not status.lifted or status.state not in (RISING, STANDING):
             return ""
-        return LET_GO if status.carries_weight else PUT_DOWN
+        return LET_GO if status.carries_weight == CARRIES else PUT_DOWN
 
     @property
     def odometry(self) -> Odometry:

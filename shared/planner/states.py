@@ -23,6 +23,7 @@ from .posture import posture_start, posture_step
 from .state import PlannerState
 from .status import (
     BAD_COMMAND,
+    CARRIES_NOT,
     FALLEN,
     FOLDING,
     LIMP,
@@ -153,7 +154,7 @@ def settle(planner: PlannerState) -> None:
     status.pose_held = 0
     status.folded = 0
     status.pose_moves = 0
-    status.carries_weight = 0
+    status.carries_weight = CARRIES_NOT
     status.feet_load_q12 = 0
     balance_reset(planner.balance)
     steps_reset(planner.params, planner.steps)

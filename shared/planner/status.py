@@ -13,6 +13,10 @@ SEATED = const(5)
 FOLDING = const(6)  # on its belly: the legs go to its sides, then under it
 STATE_NAMES = ("limp", "rising", "standing", "walking", "sitting", "seated", "folding")
 
+CARRIES_NOT = const(0)  # the feet were never felt to carry the robot, or carry nothing any more
+CARRIES = const(1)  # they do
+POSED = const(2)  # they did, until the commanded pose moved the body
+
 # Flags of a tick
 # Bits 0 .. 2: a foot was out of reach, TOO_FAR, TOO_NEAR, INSIDE_HIP; 3 .. 5: a joint was at its limit, LIMIT_HIP ..
 NOT_DRIVEN = const(0x40)  # the joints are not to be held
@@ -48,7 +52,7 @@ class Status:
     pose_held: int = field("", "1: it was")
     beyond: int = field("", "1: a standing leg was out of reach or at its limits in the last tick")
     pose_moves: int = field("", "1: the commanded pose moves the body in this tick")
-    carries_weight: int = field("", "1: the feet were felt to carry the robot, and not to carry nothing since")
+    carries_weight: int = field("", "CARRIES_NOT .. POSED: what the feet were last felt to carry")
     feet_load_q12: int = field("own weight Q12", "what they carry together, evened over 0.2 s")
     folded: int = field("", "1: the legs of one that lies on its belly are folded beside it, and go under it")
     lifted: int = field("", "1: lifted off the ground, and not yet put down and told to stand")

@@ -4,6 +4,8 @@ What the feet that are to stand carry together is the weight, evened over 0.2 s:
 steps, bars and stairs it fell to 0.41 of the own weight at the lowest, unless the trunk lay on an edge. In the hand it
 falls below a quarter within 0.3 s. That the feet carry at all is seen as soon as it has risen, and in the hand: legs
 that hold still feel no loads but true ones. Who has risen on a stand, or has joints too stiff to tell, is not lifted.
+Legs that a pose has just moved are held by dry friction and sag as little as 0.2 of the weight would have them: what
+they carry is asked anew, and a body that carried before may feel it while it walks, too.
 
     carries nothing -> slowly to the stance, hold it -> carries again and is told to stand -> stands
 """
@@ -16,7 +18,7 @@ from .command import MODE_FOLD, MODE_LIMP, MODE_SIT, MODE_STAND
 from .posture import posture_step
 from .state import PlannerState
 from .states import begin_move
-from .status import LIFTED, RISING, STANDING
+from .status import CARRIES, LIFTED, POSED, RISING, STANDING
 
 _OWN_Q12 = const(4096)
 _HALF_Q12 = const(2048)
@@ -33,9 +35,12 @@ def watch_weight(planner: PlannerState) -> None:
     """
     status = planner.status
     if status.pose_moves:
+        if status.carries_weight == CARRIES:
+            status.carries_weight = POSED
+        status.feet_load_q12 = 0
         return
     status.feet_load_q12 += (carried(planner) - status.feet_load_q12) * planner.params.evened_q10 >> 10
-    if status.carries_weight == 0:
+    if status.carries_weight != CARRIES:
         ask(planner)
     elif status.feet_load_q12 < _QUARTER_Q12:
         status.lifted = 1
@@ -61,13 +66,16 @@ def carried(planner: PlannerState) -> int:
 
 @hot
 def ask(planner: PlannerState) -> None:
-    """See whether the feet carry the robot: when it has risen, before it walks, or while it stands."""
+    """See whether the feet carry the robot: when it has risen, before it walks, while it stands, after a pose."""
     status = planner.status
-    risen = planner.params.sent_ticks + _RISEN
-    if planner.sensing.known == risen:
+    tells = 0
+    if planner.sensing.known == planner.params.sent_ticks + _RISEN:
         status.feet_load_q12 = carried(planner)
-    if status.feet_load_q12 >= _HALF_Q12 and (planner.sensing.known == risen or status.state == STANDING):
-        status.carries_weight = 1
+        tells = 1
+    elif status.state == STANDING or status.carries_weight == POSED:
+        tells = 1
+    if tells and status.feet_load_q12 >= _HALF_Q12:
+        status.carries_weight = CARRIES
 
 
 @hot
@@ -76,8 +84,9 @@ def put_down(planner: PlannerState, mode: int) -> int:
     status = planner.status
     if status.lifted == 0:
         return 0
-    if mode == MODE_LIMP or mode == MODE_SIT or mode == MODE_FOLD or (mode == MODE_STAND and status.carries_weight):
+    carries = status.carries_weight
+    if mode == MODE_LIMP or mode == MODE_SIT or mode == MODE_FOLD or (mode == MODE_STAND and carries == CARRIES):
         status.lifted = 0
-        return 0
-    status.flags |= LIFTED
-    return 1
+    else:
+        status.flags |= LIFTED
+    return status.lifted

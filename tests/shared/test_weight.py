@@ -22,7 +22,12 @@ class Rule:
 
     def __init__(self):
         self.felt = 0.0
-        self.carries = self.lifted = False
+        self.carries = self.lifted = self.posed = False
+
+    def pose(self):
+        """Take a tick in which the pose moves: what the feet carry is asked anew, of who carried before always."""
+        self.felt = 0.0
+        self.carries, self.posed = False, self.carries or self.posed
 
     def feel(self, carried, risen, stands, rounded):
         """Take a tick; return whether it is lifted in it. ``risen``: it has risen just now. ``stands``: it does.
@@ -33,7 +38,8 @@ class Rule:
         self.felt += (carried - self.felt) * share
         assert rounded == pytest.approx(self.felt, abs=BOUND)
         if not self.carries:
-            self.carries = rounded >= 0.5 and (risen or stands)
+            self.carries = rounded >= 0.5 and (risen or stands or self.posed)
+            self.posed = self.posed and not self.carries
         elif rounded < 0.25:
             self.felt, self.carries, self.lifted = 0.0, False, True  # the move to the stance begins, nothing felt
             return True
@@ -42,6 +48,10 @@ class Rule:
     def told(self, mode):
         if mode in (c.MODE_LIMP, c.MODE_SIT) or (mode == c.MODE_STAND and self.carries):
             self.lifted = False
+
+
+def carries(rule):
+    return n.CARRIES if rule.carries else n.POSED if rule.posed else n.CARRIES_NOT
 
 
 def weights(dice, count):
@@ -72,7 +82,12 @@ def test_who_is_lifted(seed):
         risen, felt = dice.random() < 0.01, status.feet_load_q12
         planner.sensing.known = walker.params.sent_ticks + 4 if risen else 100
         stands = status.state == n.STANDING
+        status.pose_moves = int(dice.random() < 0.003)
         watch_weight(planner)
+        if status.pose_moves:
+            rule.pose()
+            assert status.feet_load_q12 == 0
+            continue
         share_q10 = 1024 if risen and not rule.carries else 5120 // 55  # at 50 Hz
         told = min(max(weight, -1.0), 2.0)  # a tick tells no more
         begins = rule.feel(told, risen, stands, (felt + ((round(4096 * told) - felt) * share_q10 >> 10)) / 4096)
@@ -80,7 +95,7 @@ def test_who_is_lifted(seed):
             assert (status.state, bool(status.flags & n.LIFTED)) == (n.RISING, True)
             began += 1
         assert status.feet_load_q12 / 4096 == pytest.approx(rule.felt, abs=BOUND)
-        assert (status.carries_weight, status.lifted) == (int(rule.carries), int(rule.lifted))
+        assert (status.carries_weight, status.lifted) == (carries(rule), int(rule.lifted))
     assert began > 5
 
 
@@ -118,7 +133,7 @@ def test_felt_and_missed():
         loaded(walker, float(walker.state != n.LIMP))
     for _ in range(20):
         loaded(walker, 1.0)
-    assert walker.planner.status.carries_weight
+    assert walker.planner.status.carries_weight == n.CARRIES
     walker.mode(c.MODE_WALK)
     walker.gait("trot")
     while not walker.planner.status.lifted:

@@ -126,7 +126,7 @@ def _live_about_to_lift(values, dice):
     robot: Planner = values[0]
     status = robot.status
     robot.odometry.carried_q12 = dice.bits(17) - 65536
-    status.carries_weight = dice.bits(1)
+    status.carries_weight = dice.below(3)
     status.feet_load_q12 = dice.bits(11) if dice.bits(2) else dice.bits(17) - 65536
     status.pose_moves = 0 if dice.bits(2) else 1
     robot.sensing.known = robot.params.sent_ticks + 4 - dice.bits(1)
