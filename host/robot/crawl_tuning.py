@@ -99,6 +99,7 @@ def _shape(params: Params) -> None:
     crawl, front = params.crawl, params.legs[FR]
     length = front.hip.x - params.legs[RR].hip.x
     crawl.stride = min(length // 3, params.leg_length * _STRIDE_MM // _LEG_MM)
+    crawl.long_stride = crawl.stride * 3 // 2
     crawl.half_length = length // 2
     crawl.half_width = abs(front.hip.y + front.hip_length)
     bends = [_bend(params.legs[leg]) for leg in range(LEGS)]

@@ -18,6 +18,7 @@ class CrawlSetup:
 
     # Stance: where the body is to be over its feet
     stride: int = field("lu", "a third of the hip distance: front footholds lie where the hind feet want them")
+    long_stride: int = field("lu", "on even ground: one and a half of that, half the hip distance")
     height: int = field("lu", "hips above the mean of the feet: 0.865 of the straightest leg")
     half_length: int = field("lu", "from the body's middle to its hips, forward")
     half_width: int = field("lu", "from the body's middle to the planes of its legs, sideways")
@@ -29,6 +30,7 @@ class CrawlSetup:
     margin: int = field("lu", "centre of mass inside every edge of the support triangle", 28)
     com_z: int = field("lu", "centre of mass above the hips", -9)
     body_acceleration: int = field("lu / s^2", "of the body's moves: the zero-moment point stays in the support", 600)
+    quick_body_acceleration: int = field("lu / s^2", "of the body's moves on even ground", 960)
     body_speed: int = field("lf / tick", "of the body up and down, and of the hips under pitch", 60)
     body_ticks: int = field("ticks", "shortest move of the body", 250)
     settle_ticks: int = field("ticks", "after a move", 60)
@@ -50,10 +52,12 @@ class CrawlSetup:
     top_speed: int = field("lf / tick", "left at the top", 20)
     swing_ticks: int = field("ticks", "shortest way across", 120)
     swing_speed: int = field("lf / tick", "mean of the way across; the quintic's peak is 0.25 m/s", 156)
+    quick_swing_speed: int = field("lf / tick", "mean of the way across on even ground; the quintic's peak is 0.75 m/s", 400)
     hang_ticks: int = field("ticks", "in which the hanging leg's tare is taken", 140)
     hang_skip_ticks: int = field("ticks", "of these without one", 60)
     hang_speed: int = field("lf / tick", "down meanwhile", 20)
     lower_acceleration: int = field("lf / tick^2", "downwards", 500)
+    quick_lower_acceleration: int = field("lf / tick^2", "downwards on even ground", 3000)
     unknown_lower_speed: int = field("lf / tick", "over unknown ground: contact may come at any time", 100)
     known_lower_speed: int = field("lf / tick", "far above a foothold where a front foot has stood", 192)
     near_speed: int = field("lf / tick", "near it", 60)

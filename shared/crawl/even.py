@@ -1,6 +1,6 @@
 """Whether the ground under the crawl is even: all footholds on one slope along the way, and each step along it.
 
-On such ground the crawl gives way to the trot, and meanwhile expects its next step on that slope.
+On such ground the crawl expects its next step on that slope, strides out, and at last gives way to the trot.
 """
 
 from ..body.params import FR, LEGS, LF_BITS, RR
@@ -10,6 +10,7 @@ from .map import front_to_hind
 from .state import Crawl, Evenness, Map
 
 LEGS_EVEN = const(16)  # landings on even ground: the hind feet are then past where the front feet began
+_STRIDES_OUT = const(8)  # landings on even ground, two of each leg, from which the crawl strides out
 _SURE = const(3)  # landings on a slope until the next is expected there
 
 
@@ -63,6 +64,22 @@ def ground_even(even: Evenness) -> int:
     if even.even_steps >= LEGS_EVEN:
         return 1
     return 0
+
+
+@hot
+def strides_out(even: Evenness) -> int:
+    """Return 1 where the crawl strides out, on even ground: its strides are longer and its motions quicker; else 0."""
+    if even.even_steps >= _STRIDES_OUT:
+        return 1
+    return 0
+
+
+@hot
+def stride_lf(crawl: Crawl) -> int:
+    """Return the stride, how far each leg steps in a round of all four, lf."""
+    if strides_out(crawl.even):
+        return crawl.params.crawl.long_stride << LF_BITS
+    return crawl.params.crawl.stride << LF_BITS
 
 
 @hot

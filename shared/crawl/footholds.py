@@ -1,13 +1,14 @@
 """Where the feet of the crawl go: every hind foot steps into a foothold of the front foot of its side.
 
 So the hind feet know the height of their ground, but for the first footholds, which are guessed. Each side has a queue
-of at most four. A front foot goes half a stride beyond the other front foot.
+of at most four. A front foot goes half a stride beyond the other front foot. On even ground, where the crawl strides
+out, a hind foot may step anywhere: it keeps its distance to the front foot of its side.
 """
 
 from ..body.params import FL, FR, LF_BITS, RR, Params
 from ..num.fixed import saturate
 from ..runtime import hot
-from .even import expected_rise
+from .even import expected_rise, stride_lf, strides_out
 from .state import MOST_FOOTHOLDS, Crawl, Footholds, Map
 
 
@@ -98,6 +99,8 @@ def aim(crawl: Crawl, leg: int) -> None:
     """Choose the foothold of ``leg``, its expected height and the top of the swing."""
     if leg < RR:
         aim_front(crawl, leg)
+    elif strides_out(crawl.even):
+        stride_hind(crawl, leg)
     else:
         aim_hind(crawl, leg)
 
@@ -113,7 +116,7 @@ def aim_front(crawl: Crawl, leg: int) -> None:
     map = crawl.map
     swing = crawl.swing
     other = map.feet[FR + FL - leg]
-    stride = params.crawl.stride << LF_BITS
+    stride = stride_lf(crawl)
     x = map.feet[leg].x
     z = map.feet[leg].z
     target = saturate(other.x + (stride >> 1), x + (stride >> 1), x + stride * 7 // 5)
@@ -152,6 +155,54 @@ def aim_hind(crawl: Crawl, leg: int) -> None:
     if swing.ground > top:
         top = swing.ground
     swing.top = top + (params.crawl.hind_lift << LF_BITS)
+
+
+@hot
+def stride_hind(crawl: Crawl, leg: int) -> None:
+    """Aim a hind foot on even ground a hip distance behind the next place of its side's front foot.
+
+    0.5 .. 1.4 strides on. Footholds of the front foot are not needed: those that it has left are forgotten.
+    """
+    params = crawl.params
+    swing = crawl.swing
+    foot = crawl.map.feet[leg]
+    side = leg - RR
+    stride = stride_lf(crawl)
+    ahead = crawl.map.feet[side].x + stride - (params.crawl.half_length << LF_BITS + 1) - foot.x
+    ahead = saturate(ahead, stride >> 1, stride * 7 // 5)
+    swing.known = 1
+    swing.target.x = foot.x + ahead
+    swing.target.y = foothold_line(params, side)
+    swing.target.z = foot.z
+    swing.ground = foot.z + expected_rise(crawl, ahead)
+    crawl.footholds.sides[side].waiting = 0
+    top = foot.z
+    if swing.ground > top:
+        top = swing.ground
+    swing.top = top + (params.crawl.hind_lift << LF_BITS)
+
+
+@hot
+def lay_between(crawl: Crawl, leg: int) -> None:
+    """Lay two footholds between a hind foot and the only one it has, where the crawl strides out no more.
+
+    They are a stride apart, a third of the way if that is less, and as high as the foot: that ground was even.
+    """
+    foot = crawl.map.feet[leg]
+    queue = crawl.footholds.sides[leg - RR]
+    if queue.waiting != 1:
+        return
+    for axis in range(3):
+        queue.places[2][axis] = queue.places[0][axis]
+    step = (queue.places[0].x - foot.x) // 3
+    if step > stride_lf(crawl):
+        step = stride_lf(crawl)
+    for place in range(2):
+        queue.places[place].x = foot.x + step * (place + 1)
+        queue.places[place].y = queue.places[2].y
+        queue.places[place].z = foot.z
+    queue.waiting = 3
+    queue.guessed = 2
 
 
 @hot

@@ -13,6 +13,7 @@ from ..body.stability import point_inside
 from ..num.filters import fraction, quintic_q15
 from ..num.fixed import atan2_brad, cos_q15, hypot, isqrt, mul_q15, saturate, sin_q15
 from ..runtime import const, hot
+from .even import strides_out
 from .map import front_to_hind, mean_foot
 from .state import BodyPath, Crawl, Map
 
@@ -154,17 +155,22 @@ def start_body(crawl: Crawl) -> int:
         path.from_pose[axis] = path.wanted[axis]
         path.to_pose[axis] = crawl.pose[axis] << LF_BITS
     path.move_tick = 0
-    path.move_ticks = move_ticks(crawl.params, path)
+    path.move_ticks = move_ticks(crawl)
     return path.move_ticks
 
 
 @hot
-def move_ticks(params: Params, path: BodyPath) -> int:
+def move_ticks(crawl: Crawl) -> int:
     """Return how many ticks the body's planned move takes, as start_body says."""
+    params = crawl.params
+    path = crawl.path
+    acceleration = params.crawl.body_acceleration
+    if strides_out(crawl.even):
+        acceleration = params.crawl.quick_body_acceleration
     dx = path.to_pose.x - path.from_pose.x >> LF_BITS
     dy = path.to_pose.y - path.from_pose.y >> LF_BITS
     way = saturate(hypot(dx, dy), 0, 32767)
-    square_q12 = saturate((6 * way << 12) // (params.crawl.body_acceleration + 1), 0, 65535)
+    square_q12 = saturate((6 * way << 12) // (acceleration + 1), 0, 65535)
     ticks = isqrt(square_q12 << 14) * params.rate_hz >> 13
     rise = path.to_pose.z - path.from_pose.z
     if rise < 0:

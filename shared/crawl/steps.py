@@ -2,7 +2,7 @@
 
     SHIFT -> LIFT -> SWING -> HANG -> LOWER -> (landed) REST -> SHIFT of the next leg ...
 
-Order RL, FL, RR, FR. A swing that meets a step, a drop, a riser or its own shin on an edge is tried again
+Order RL, FL, RR, FR. On even ground the strides are long and the motions quick. A swing that meets a step, a drop, a riser or its own shin on an edge is tried again
 somewhere else, at most three times; the body goes along so that the leg comes down steeply.
 """
 
@@ -10,8 +10,8 @@ from ..body.params import FL, FR, LEGS, LF_BITS, RR
 from ..num.fixed import saturate
 from ..runtime import const, hot
 from .contact import corner_lift, feel_ground, feel_riser, keep_past, start_contact, take_tare
-from .even import note_landing
-from .footholds import aim, foothold_add, next_foothold_x, steps_down
+from .even import note_landing, stride_lf, strides_out
+from .footholds import aim, foothold_add, lay_between, next_foothold_x, steps_down
 from .goals import bridge
 from .pose import mass_target, move_body, plan_body, resting_x
 from .state import (
@@ -71,7 +71,7 @@ def start_stages(crawl: Crawl) -> None:
 def take_stage(crawl: Crawl, ahead_lf: int) -> None:
     """Take one tick of the state machine. ahead_lf: as crawl_tick."""
     stage = crawl.stage
-    step = crawl.params.crawl.stride << LF_BITS - 2  # of one leg brings the body that far
+    step = stride_lf(crawl) >> 2  # of one leg brings the body that far
     stage.stage_tick = saturate(stage.stage_tick + 1, 0, 0xFFFFFF)
     stage.ahead = saturate(stage.ahead + saturate(ahead_lf, 0, step), -step, step)
     move_body(crawl.path)
@@ -91,7 +91,7 @@ def swing_stage(crawl: Crawl, leg: int) -> None:
     keep_past(crawl.contact, crawl.swing.place.x)
     if stage.stage == LIFT:
         if lift_foot(crawl.params, crawl.swing):
-            start_swing(crawl.params, crawl.swing)
+            start_swing(crawl)
             enter(crawl, SWING)
     elif stage.stage == SWING:
         swing_tick(crawl, leg)
@@ -108,6 +108,8 @@ def plan_shift(crawl: Crawl) -> None:
     Before a step down the hip goes over the landing place: a straight leg keeps its shin off the edge.
     """
     leg = crawl.stage.leg
+    if leg >= RR and strides_out(crawl.even) == 0:
+        lay_between(crawl, leg)
     wanted = resting_x(crawl)
     if steps_down(crawl, leg):
         above = over_foot(crawl, leg, next_foothold_x(crawl.footholds, leg))
@@ -353,5 +355,5 @@ def land(crawl: Crawl, leg: int) -> None:
     bridge(crawl, leg, 0)
     stage.turn = stage.turn + 1 & 3
     stage.leg = _ORDER >> (stage.turn << 2) & 15
-    stage.ahead -= crawl.params.crawl.stride << LF_BITS - 2
+    stage.ahead -= stride_lf(crawl) >> 2
     enter(crawl, REST)

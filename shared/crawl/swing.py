@@ -2,13 +2,14 @@
 
 The positions are map places in lf, so the path does not depend on what the body does meanwhile.
 Profiles: up with a braked top, a quintic across, down at a steady speed; faster where the ground is known,
-and slow again shortly above it.
+and slow again shortly above it. On even ground across and down are quicker.
 """
 
 from ..body.params import LF_BITS, Params
 from ..num.filters import fraction, quintic_q15
 from ..num.fixed import hypot, isqrt, saturate
 from ..runtime import const, hot
+from .even import strides_out
 from .state import Crawl, Swing
 
 _PRODUCT_MAX = const(0x3FFFFFFF)
@@ -48,12 +49,17 @@ def lift_foot(params: Params, swing: Swing) -> int:
 
 
 @hot
-def start_swing(params: Params, swing: Swing) -> None:
+def start_swing(crawl: Crawl) -> None:
     """Begin the way across to the target from where the foot is. Ways within +-65535 lu."""
+    params = crawl.params
+    swing = crawl.swing
     swing.departure.x = swing.place.x
     swing.departure.y = swing.place.y
     way = hypot(swing.target.x - swing.place.x >> LF_BITS, swing.target.y - swing.place.y >> LF_BITS)
-    ticks = (way << LF_BITS) // params.crawl.swing_speed
+    speed = params.crawl.swing_speed
+    if strides_out(crawl.even):
+        speed = params.crawl.quick_swing_speed
+    ticks = (way << LF_BITS) // speed
     if ticks < params.crawl.swing_ticks:
         ticks = params.crawl.swing_ticks
     swing.way_ticks = ticks
@@ -74,19 +80,29 @@ def swing_foot(crawl: Crawl) -> int:
 
 
 @hot
-def lower_speed(params: Params, swing: Swing) -> int:
+def lower_acceleration(crawl: Crawl) -> int:
+    """Return how fast the speed of the foot may change on its way down, lf / tick^2."""
+    if strides_out(crawl.even):
+        return crawl.params.crawl.quick_lower_acceleration
+    return crawl.params.crawl.lower_acceleration
+
+
+@hot
+def lower_speed(crawl: Crawl) -> int:
     """Return the speed, lf / tick, at which the foot may come down here.
 
     Over unknown ground: steady. Over known: so that it can slow down in time near its foothold, v^2 = near^2 + 2 a h.
     Intermediates: those of brake_speed and hypot.
     """
+    params = crawl.params
+    swing = crawl.swing
     if swing.known == 0:
         return params.crawl.unknown_lower_speed
     above = (swing.place.z - swing.ground >> LF_BITS) - params.crawl.near_foothold
     if above < 0:
         speed = params.crawl.near_speed
     else:
-        speed = hypot(brake_speed(2 * params.crawl.lower_acceleration, above), params.crawl.near_speed)
+        speed = hypot(brake_speed(2 * lower_acceleration(crawl), above), params.crawl.near_speed)
     if speed > params.crawl.known_lower_speed:
         speed = params.crawl.known_lower_speed
     return speed
@@ -98,8 +114,8 @@ def lower_foot(crawl: Crawl) -> None:
     params = crawl.params
     path = crawl.path
     swing = crawl.swing
-    speed = swing.speed + params.crawl.lower_acceleration
-    most = lower_speed(params, swing)
+    speed = swing.speed + lower_acceleration(crawl)
+    most = lower_speed(crawl)
     if speed > most:
         speed = most
     swing.speed = speed

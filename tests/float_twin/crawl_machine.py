@@ -24,6 +24,7 @@ EVEN_ROUNDING = 0.15e-3
 QUINTIC_ROUNDING = 0.0026  # of the way
 TRIES, HITS = 3, 2
 SURE_LANDINGS = 3
+STRIDES_OUT = 8  # landings on even ground
 
 
 def tare_rounding(k):
@@ -64,6 +65,20 @@ class Machine:
         """Return the leg it is about."""
         return ORDER[self.turn % 4]
 
+    @property
+    def strides_out(self):
+        """Return whether the ground has been even for long enough to go on in long and quick steps."""
+        return self.steps_even >= STRIDES_OUT
+
+    @property
+    def stride(self):
+        """Return the stride; one leg brings the body on by a quarter of it."""
+        return self.k.long_stride if self.strides_out else self.k.stride
+
+    def quick(self, name):
+        """Return a speed or acceleration of the settings, on even ground its quick one."""
+        return getattr(self.k, f"quick_{name}" if self.strides_out else name)
+
     def first_prints(self, side):
         """Return the prints that lie behind a robot that came this way."""
         hind, front = self.feet[2 + side], self.feet[side]
@@ -87,7 +102,8 @@ class Machine:
         self.events = []
         self.body.planned = False
         self.ticks += 1
-        self.pace = limit(self.pace + limit(felt.way, 0.0, self.k.pace), -self.k.pace, self.k.pace)
+        step = self.stride / 4
+        self.pace = limit(self.pace + limit(felt.way, 0.0, step), -step, step)
         self.body.step()
         if self.stage == REST:
             self.rest(felt)
@@ -124,11 +140,22 @@ class Machine:
 
     def plan_shift(self, heavy):
         """Move off the leg to come; before a step down its hip goes over the landing place if that is farther."""
+        if self.leg >= RR and not self.strides_out:
+            self.lay_between(self.leg)
         wanted = crawl.middle(self.feet)[0] + self.k.heavy_forward * heavy
         if self.steps_down():
             wanted = max(wanted, self.over_foot(self.prints[self.leg - RR][0][0]))
         self.enter(SHIFT)
-        self.body.plan(self.feet, self.leg, wanted, heavy, None)
+        self.body.plan(self.feet, self.leg, wanted, heavy, None, self.quick("acceleration"))
+
+    def lay_between(self, leg):
+        """After long strides a hind leg has one print, where the front foot stands: put two before it."""
+        own, prints = self.feet[leg], self.prints[leg - RR]
+        if len(prints) == 1:
+            last = prints[0]
+            step = min((last[0] - own[0]) / 3, self.k.stride)
+            between = [[own[0] + step * count, last[1], own[2]] for count in (1, 2)]
+            self.prints[leg - RR], self.guessed[leg - RR] = [*between, last], 2
 
     def steps_down(self):
         """Return whether a hind leg's next print lies an edge below it."""
@@ -178,6 +205,8 @@ class Machine:
         if leg < RR:
             self.aim_front(self.swing)
             self.on_print[leg] = False
+        elif self.strides_out:
+            self.aim_beside(self.swing)
         else:
             self.aim_hind(self.swing)
         self.stands[leg], self.share[leg] = False, 0.0
@@ -186,7 +215,7 @@ class Machine:
     def aim_front(self, swing):
         """Half a stride beyond the other front foot, on the slope if there surely is one, over both feet's ground."""
         own, other = self.feet[swing.leg], self.feet[1 - swing.leg]
-        x = crawl_swing.front_target(own[0], other[0], self.k.stride)
+        x = crawl_swing.front_target(own[0], other[0], self.stride)
         swing.target = [x, self.k.line[swing.leg], own[2]]
         swing.expect = own[2] + self.expected_rise(x - own[0])
         before = not self.doubt.above(other[0], x + self.k.riser_lag * 5 / 3, PLACE_ROUNDING)
@@ -208,6 +237,17 @@ class Machine:
         swing.target = self.take_print(swing.leg - RR) if prints else ahead
         swing.expect = swing.target[2]
         swing.top = max(own[2], swing.target[2]) + self.k.hind_lift
+
+    def aim_beside(self, swing):
+        """Keep the hip distance to where the front foot of the side goes next; its prints do not count."""
+        side, own = swing.leg - RR, self.feet[swing.leg]
+        to_front = self.feet[side][0] + self.stride - 2 * self.k.half_length
+        x = own[0] + limit(to_front - own[0], self.stride / 2, 1.4 * self.stride)
+        swing.known = True
+        swing.target = [x, self.k.line[side], own[2]]
+        swing.expect = own[2] + self.expected_rise(x - own[0])
+        swing.top = max(own[2], swing.expect) + self.k.hind_lift
+        self.prints[side] = []
 
     def take_print(self, side):
         """Take a side's oldest print off its queue, the guessed ones first; return it."""
@@ -233,7 +273,7 @@ class Machine:
         s = self.swing
         s.source = s.place[:2]
         way = math.sqrt((s.target[0] - s.place[0]) ** 2 + (s.target[1] - s.place[1]) ** 2)
-        s.ticks_across = max(self.k.swing_ticks, self.doubt.whole(way / self.k.swing_speed, 0.02))
+        s.ticks_across = max(self.k.swing_ticks, self.doubt.whole(way / self.quick("swing_speed"), 0.02))
         self.enter(MOVE)
 
     def move(self, felt):
@@ -298,8 +338,8 @@ class Machine:
         most = k.unknown_lower_speed
         if s.known:
             above = s.place[2] - s.expect - k.near_foothold
-            most = crawl_swing.fall_speed(above, k.near_speed, k.known_lower_speed, k.lower_acceleration)
-        s.speed = min(s.speed + k.lower_acceleration, most)
+            most = crawl_swing.fall_speed(above, k.near_speed, k.known_lower_speed, self.quick("lower_acceleration"))
+        s.speed = min(s.speed + self.quick("lower_acceleration"), most)
         lag = felt.body[2] - self.body.wanted[2]
         if felt.length > k.swing_reach and self.doubt.above(k.position_limit, lag, PLACE_ROUNDING):
             self.body.wanted[2] -= k.body_speed
@@ -336,7 +376,7 @@ class Machine:
     def again_with_hip(self, felt, x, top):
         """Try once more at ``x`` and bring the hip over it, so that the leg comes down steeply."""
         self.again(x, top)
-        self.body.plan(self.feet, self.leg, self.over_foot(x), felt.heavy, self.leg)
+        self.body.plan(self.feet, self.leg, self.over_foot(x), felt.heavy, self.leg, self.quick("acceleration"))
 
     def free_shin(self, felt, z):
         """Off the edge and on a little."""
@@ -398,5 +438,5 @@ class Machine:
         self.steps_even = 0 if self.doubt.above(off, self.k.drop_depth / 3, EVEN_ROUNDING) else self.steps_even + 1
         self.landed += 1
         self.turn += 1
-        self.pace -= self.k.pace
+        self.pace -= self.stride / 4
         self.enter(REST)

@@ -13,7 +13,7 @@ class BodyMove:
     def __init__(self, k, pose):
         self.k = k
         self.wanted, self.start, self.goal = list(pose), list(pose), list(pose)
-        self.tick, self.ticks, self.planned = 0, 0, False
+        self.tick, self.ticks, self.planned, self.acceleration = 0, 0, False, k.acceleration
 
     def step(self):
         """Take one tick of the way."""
@@ -22,9 +22,9 @@ class BodyMove:
             share = crawl.quintic(self.tick / self.ticks)
             self.wanted = [a + share * (b - a) for a, b in zip(self.start, self.goal)]
 
-    def plan(self, feet, leg, wanted_x, heavy, in_air):
+    def plan(self, feet, leg, wanted_x, heavy, in_air, acceleration):
         """Begin a move that brings the centre of mass over ``wanted_x`` inside the support without ``leg``."""
-        k = self.k
+        k, self.acceleration = self.k, acceleration
         pitch = crawl.slope_pitch(feet, k.half_length * 2 / 3)
         x, y = mass_target(feet, leg, wanted_x, k.margin, k.planar)
         place = x - crawl.mass_ahead((k.com_x, k.com_z), pitch), y
@@ -40,7 +40,7 @@ class BodyMove:
         """Return the ticks of the move."""
         k, way = self.k, [b - a for a, b in zip(self.start, self.goal)]
         along = math.sqrt(way[0] ** 2 + way[1] ** 2)
-        return crawl.move_seconds(along, way[2], way[4], k.half_length, k.acceleration, k.body_speed, k.body_ticks)
+        return crawl.move_seconds(along, way[2], way[4], k.half_length, self.acceleration, k.body_speed, k.body_ticks)
 
 
 def mass_target(feet, leg, wanted_x, margin, planar):

@@ -230,8 +230,8 @@ class Pair:
             for place in queue.places:
                 for axis in range(3):
                     place[axis] = c.map.feet[2 + side][axis] + self.spread(60)
-        c.support.warp, c.even.even_steps = self.spread(39), dice.randrange(6)
-        way, pace = c_way(self.crawl), self.fine(self.k.pace)
+        c.support.warp, c.even.even_steps = self.spread(39), dice.choice((0, 1, 2, 3, 4, 5, 7, 8, 9))
+        way, pace = c_way(self.crawl), self.fine(self.k.stride / 4)
         c.stage.ahead = dice.choice((0, 1, -1, -way, -way - 1, pace, -pace))
         c.support.heavy_q12 = dice.choice((0, 4096))
         if dice.random() < 0.5:

@@ -72,10 +72,10 @@ def crawl_si(params):
     return SimpleNamespace(
         **{name: getattr(crawl, name) * one[place.unit] for name, place in CrawlSetup.FIELDS if place.unit in one},
         com_x=params.com_x * unit_m,
-        pace=crawl.stride * unit_m / 4,
         rebase=params.leg_length * unit_m / 2,
         share=4096 // crawl.share_ticks / 4096,
         acceleration=crawl.body_acceleration * unit_m / params.rate_hz**2,
+        quick_acceleration=crawl.quick_body_acceleration * unit_m / params.rate_hz**2,
         planar=params.lateral_q12 == 0,
         hips=[leg.hip for leg in legs],
         sides=[leg.side_l1 for leg in legs],

@@ -76,6 +76,26 @@ def test_a_long_walk_on_level_ground_and_on_a_slope():
         assert pair.crawl.swing.ground * pair.fine_m - z == pytest.approx(rise, abs=0.1e-3)
 
 
+@pytest.mark.parametrize("rise_m", [0.03, 0.09, -0.03, -0.07])
+@pytest.mark.parametrize("robot", [("caramelo", 50), ("parallel", 100)])
+def test_where_it_strides_out_it_meets_an_edge(robot, rise_m):
+    """Long strides, then usual ones again: the hind feet that have strode out get two footholds before the edge."""
+    pair = Pair(Trouble(steps=[(0.45, rise_m)]), random.Random(2), *robot)
+    long = pair.crawl.params.crawl.long_stride * pair.unit_m
+    while not pair.twin.strides_out:
+        pair.tick()
+    steps, laid = [], False
+    while not laid:
+        waiting = [len(prints) for prints in pair.twin.prints]
+        pair.tick()
+        laid = any(then == 1 and len(now) == 3 for then, now in zip(waiting, pair.twin.prints, strict=True))
+        if pair.twin.strides_out and pair.twin.stage == twin.LIFT and pair.twin.ticks == 0:
+            steps.append(pair.twin.swing.target[0] - pair.twin.feet[pair.twin.leg][0])
+    assert pair.met > {twin.LANDED}
+    assert max(steps) == pytest.approx(long, rel=0.25)
+    walked(pair, 12.0)
+
+
 @pytest.mark.parametrize("robot", [robot for robot in ROBOTS if robot[0] != "long-leg"])
 def test_any_point_of_a_crawl_goes_on_the_same_way(robot):
     """Points that a walk hardly ever comes to: any try, any ground, any load. (The long leg's have no room to plan.)"""
@@ -89,6 +109,19 @@ def test_any_point_of_a_crawl_goes_on_the_same_way(robot):
         assert pair.turned < 5
 
     points()
+
+
+QUICK = {"long_stride": 30, "quick_swing_speed": 15000, "quick_lower_acceleration": 300}
+
+
+@pytest.mark.parametrize("setting", QUICK)
+def test_a_quick_setting_that_is_a_little_off_in_the_core_is_seen(setting):
+    """The comparison can fail where the crawl strides out, too."""
+    pair = Pair(Trouble(), random.Random(1))
+    tuned = pair.crawl.params.crawl
+    setattr(tuned, setting, getattr(tuned, setting) + QUICK[setting])
+    with pytest.raises(AssertionError, match="core"):
+        walked(pair, 30.0)
 
 
 PLANTED = {

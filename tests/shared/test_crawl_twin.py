@@ -307,12 +307,12 @@ def test_a_foot_comes_down_so_that_it_can_slow_down_over_known_ground(above_m):
     c, k = Crawl(PARAMS), PARAMS.crawl
     c.swing.known = 1
     c.swing.place.z = fine(above_m) + (k.near_foothold << 8)
-    found = swing_leg.lower_speed(c.params, c.swing) * FINE_M * RATE
+    found = swing_leg.lower_speed(c) * FINE_M * RATE
     brake = k.lower_acceleration * FINE_M * RATE * RATE
     exact = swing.fall_speed(above_m, k.near_speed * FINE_M * RATE, k.known_lower_speed * FINE_M * RATE, brake)
     assert abs(found - exact) < 0.003
     c.swing.known = 0
-    assert swing_leg.lower_speed(c.params, c.swing) == k.unknown_lower_speed
+    assert swing_leg.lower_speed(c) == k.unknown_lower_speed
 
 
 @repeatable(100)
