@@ -46,9 +46,16 @@ class Trace:
 
 @dataclass
 class Stance:
-    """One tick of all joints together; ``what`` is ``ground`` or ``shake``."""
+    """One tick of all joints together; ``what`` is ``ground`` or ``shake``.
+
+    At ``sent_s`` the joints were given their goals, with ``most`` as the limit of their duty; at ``at_s`` they were
+    asked.
+    """
 
     what: str
+    sent_s: float
+    goal_rad: list[float]
+    most: float
     at_s: float
     position_rad: list[float]
     load: list[float]
@@ -195,25 +202,25 @@ def shake_all(rig: Rig, done: Done = lambda share: None) -> list[Stance]:
             for tick in range(ticks):
                 sides = ((tick + joint) // SHAKE_TICKS % 2 * 2 - 1 for joint in range(JOINTS))
                 goals = [at + side * SHAKE_RAD for at, side in zip(rest, sides, strict=True)]
-                _tick(rig, "shake", goals, rows, 2 * TICK_S)
+                _tick(rig, "shake", goals, duty, rows, 2 * TICK_S)
             done((number + 1) / len(SHAKES))
     return rows
 
 
 def stand_and_sway(rig: Rig, done: Done = lambda share: None) -> list[Stance]:
     """Stand up from sitting, sway slowly up and down, to and fro, sideways; sit down, let go."""
-    robot, rows, waste = rig.robot, list[Stance](), list[Stance]()
+    robot, most, rows, waste = rig.robot, rig.robot.stand.torque_fraction, list[Stance](), list[Stance]()
     seated, rest = _shafts(robot, seated_pose_rad(robot)), rest_shafts_rad(robot)
-    with _holding(rig, range(JOINTS), robot.stand.torque_fraction):
+    with _holding(rig, range(JOINTS), most):
         now = _all(rig, range(JOINTS))
         here = [now[joint].position_rad for joint in range(JOINTS)]
         for start, end, seconds in ((here, seated, 1.5), (seated, rest, 2.5)):
-            _glide(rig, start, end, seconds, waste)
+            _glide(rig, start, end, seconds, most, waste)
         goals = _sway(robot)
         for number, pose in enumerate(goals):
-            _tick(rig, "ground", _shafts(robot, pose), rows, GROUND_TICK_S)
+            _tick(rig, "ground", _shafts(robot, pose), most, rows, GROUND_TICK_S)
             done((number + 1) / len(goals))
-        _glide(rig, _shafts(robot, goals[-1]), seated, 2.5, waste)
+        _glide(rig, _shafts(robot, goals[-1]), seated, 2.5, most, waste)
     return rows
 
 
@@ -221,26 +228,29 @@ def _shafts(robot: Robot, pose_rad: Sequence[float]) -> list[float]:
     return [angle / joint_per_shaft(robot, joint) for joint, angle in enumerate(pose_rad)]
 
 
-def _glide(rig: Rig, start: Sequence[float], end: Sequence[float], seconds: float, rows: list[Stance]) -> None:
+def _glide(
+    rig: Rig, start: Sequence[float], end: Sequence[float], seconds: float, most: float, rows: list[Stance]
+) -> None:
     ticks = round(seconds / GROUND_TICK_S)
     for tick in range(ticks):
         part = 0.5 - 0.5 * cos(pi * (tick + 1) / ticks)
         goals = [a + part * (b - a) for a, b in zip(start, end, strict=True)]
-        _tick(rig, "ground", goals, rows, GROUND_TICK_S)
+        _tick(rig, "ground", goals, most, rows, GROUND_TICK_S)
 
 
-def _tick(rig: Rig, what: str, goals: Sequence[float], rows: list[Stance], tick_s: float) -> None:
+def _tick(rig: Rig, what: str, goals: Sequence[float], most: float, rows: list[Stance], tick_s: float) -> None:
     """Command all joints, and ask them at another share of each tick: goals in steps make the duty a sawtooth.
 
     An answer may end after the tick: then the next goals go out later, so that no part of the sawtooth is left out.
     """
     due_s = rig.clock()
     rig.tell(dict(enumerate(goals)))
+    told = [round(rig.rounded_rad(joint, goal), 7) for joint, goal in enumerate(goals)]
     rig.wait_until(due_s + tick_s * (len(rows) * GOLDEN % 1.0))
     read = rig.ask(range(JOINTS))
     if len(read) == JOINTS:
         rows.append(
-            Stance(what, round(read[0].asked_s, 6), *(
+            Stance(what, round(due_s, 6), told, round(most * 885) / 885, round(read[0].asked_s, 6), *(
                 [round(getattr(read[joint], name), 7) for joint in range(JOINTS)]
                 for name in ("position_rad", "load", "voltage_V")
             ))

@@ -61,6 +61,9 @@ CHANNELS: dict[str, dict[str, dict[str, Any]]] = {
     },
     "/stance": {
         "what": TEXT,
+        "sent_s": NUMBER,
+        "goal_rad": JOINT_NUMBERS,
+        "most": NUMBER,
         "at_s": NUMBER,
         "position_rad": JOINT_NUMBERS,
         "load": JOINT_NUMBERS,
