@@ -289,7 +289,7 @@ class JointFit:
     def seen(self, p: Mapping[str, Array]) -> list[tuple[Trace, Array, Array]]:
         """Return for each sweep the angles and duties that such servos would have reported when the joint was asked."""
         traces, told = [self.traces[column] for column in self._columns], self.told.only(self._columns)
-        places, duties = simulate(p, self.servo.friction, self.load, told)
+        places, duties, _ = simulate(p, self.servo.friction, self.load, told)
         began = np.broadcast_to(told.start_rad, (1, *places.shape[1:]))
         held = np.broadcast_to(np.array([trace.load[0] for trace in traces]), began.shape)
         places, duties = np.concatenate([began, places]), np.concatenate([held, duties])

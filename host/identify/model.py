@@ -6,8 +6,8 @@ which only shifts the time of the answer.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from math import atan2, cos, hypot, radians, sin
+from dataclasses import astuple, dataclass
+from math import cos, radians, sin
 from typing import Any
 
 import numpy as np
@@ -39,7 +39,7 @@ class Load:
 
     def at(self, shaft_rad: Array) -> Array:
         """Return the weight's torque on the shaft, N m."""
-        ahead_rad, most_Nm = atan2(self.cosine_Nm, self.sine_Nm), hypot(self.sine_Nm, self.cosine_Nm)
+        ahead_rad, most_Nm = np.arctan2(self.cosine_Nm, self.sine_Nm), np.hypot(self.sine_Nm, self.cosine_Nm)
         weight: Array = -self.ratio * most_Nm * np.sin(self.ratio * shaft_rad + ahead_rad)
         return weight
 
@@ -58,6 +58,11 @@ class Load:
     def gone(self) -> "Load":
         """Return the load of a horn that turns without its leg."""
         return Load(0.1 * self.inertia_kg_m2, 0.0, 0.0, self.ratio)
+
+
+def side_by_side(loads: Sequence[Load]) -> Load:
+    """Return the load of sweeps that are of different joints: each number is an array, with one entry per sweep."""
+    return Load(*np.array([astuple(load) for load in loads]).T)
 
 
 @dataclass(frozen=True)
@@ -126,11 +131,14 @@ def sagging(sag: Array, duty: Array, back: Array, open_share: Array) -> Array:
     return np.minimum(left, open_share)  # a braking joint does not raise it
 
 
-def simulate(p: Mapping[str, Array], fixed: Friction, load: Load, told: Told) -> tuple[Array, Array]:
-    """Return link angles and duties: sub-steps x copies x sweeps. ``p`` holds columns, one row per copy."""
+def simulate(p: Mapping[str, Array], fixed: Friction, load: Load, told: Told) -> tuple[Array, Array, Array]:
+    """Return link angles, duties, and currents as shares of the stalled joint's: sub-steps x copies x sweeps.
+
+    ``p`` holds columns, one row per copy.
+    """
     steps, sweeps = told.goal_rad.shape
     copies = len(p["stall_Nm"])
-    places, duties = np.empty((steps, copies, sweeps)), np.empty((steps, copies, sweeps))
+    places, duties, drawn = (np.empty((steps, copies, sweeps)) for _ in range(3))
     stall, rotor_kg_m2, half = motor_stall_Nm(p, fixed), p["armature_kg_m2"], p["backlash_rad"] / 2
     link_kg_m2, dt = load.inertia_kg_m2, STEP_S
     damping = 2 * FLANK_DAMPING * np.sqrt(FLANK_NM_RAD * rotor_kg_m2 * link_kg_m2 / (rotor_kg_m2 + link_kg_m2))
@@ -147,6 +155,7 @@ def simulate(p: Mapping[str, Array], fixed: Friction, load: Load, told: Told) ->
         duty = np.minimum(np.maximum(p["duty_per_rad"] * (told.goal_rad[at] - link), -most), most)
         back = rotor_rad_s / p["no_load_rad_s"]
         motor = on * stall * (duty * sagging(p[SAG], duty, back, told.volts) - back)
+        drawn[at] = duty * motor / stall
         apart, way = rotor - link, rotor_rad_s - link_rad_s
         side = np.sign(apart)
         deep = apart * side - half
@@ -160,7 +169,7 @@ def simulate(p: Mapping[str, Array], fixed: Friction, load: Load, told: Told) ->
         link_rad_s = link_rad_s + (flank + load.at(link)) * (dt / link_kg_m2)
         link = link + link_rad_s * dt
         places[at], duties[at] = link, duty
-    return places, duties
+    return places, duties, drawn
 
 
 def lag_s(p: Mapping[str, float]) -> float:

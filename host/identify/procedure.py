@@ -119,14 +119,15 @@ def fit_all(robot: Robot, folder: Path, show: Show = SILENT) -> Result:
         result.verdicts[joint] = judge(joint, result.fits, sticking(servo, in_the_air(robot, joint), traces, usual))
     if result.fits:
         shaken = keeping.kept_stances(keeping.together_path(folder, "shake"), robot)
-        result.supply_ohm = supply_ohm(servo, no_loads_rad_s(result.fits), shaken)
+        loads = [in_the_air(robot, joint) for joint in range(JOINTS)]
+        result.supply_ohm = supply_ohm(servo, loads, all_numbers(result.fits), shaken)
     return result
 
 
-def no_loads_rad_s(fits: Mapping[int, Fitted]) -> list[float]:
-    """Return each joint's no-load speed; where it was not fitted, the median of those that were."""
+def all_numbers(fits: Mapping[int, Fitted]) -> list[dict[str, float]]:
+    """Return each joint's numbers; where it was not fitted, the medians of those that were."""
     middle = with_middle(fits)
-    return [fits.get(joint, middle).values["no_load_rad_s"] for joint in range(JOINTS)]
+    return [fits.get(joint, middle).values for joint in range(JOINTS)]
 
 
 def measures(result: Result) -> dict[str, Measure]:

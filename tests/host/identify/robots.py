@@ -13,6 +13,7 @@ from host.sim.servos.honest import HonestStand, drawn
 
 ROBOT = load_robot("caramelo")
 SERVO = ROBOT.actuator
+LOADS = [in_the_air(ROBOT, joint) for joint in range(JOINTS)]
 # What is drawn; the torques' and the law's shapes that are not fitted stay as the file has them.
 COMPARED = [name for name in NAMES if name != "act_s"]
 
@@ -25,19 +26,19 @@ def stand(seed: int, fault: str = "", joint: int = 0) -> HonestStand:
 
 
 def truth(made: HonestStand, joint: int) -> dict[str, float]:
-    """Return what was drawn of one joint."""
+    """Return what was drawn of one joint, by model.NAMES."""
     f = made.plant.made.figures[joint]
     own = {name: getattr(f, name) for name in (
         "stall_Nm", "no_load_rad_s", "duty_per_rad", "coulomb_Nm", "armature_kg_m2", "backlash_rad",
     )}  # fmt: skip
-    return own | {name: getattr(f.friction, name) for name in (
+    return own | {"act_s": f.delay_s} | {name: getattr(f.friction, name) for name in (
         "stribeck_Nm", "stribeck_rad_s", "viscous_Nms_rad", "load_motor", "load_external",
     )}  # fmt: skip
 
 
-def no_loads_rad_s(made: HonestStand) -> list[float]:
-    """Return every joint's no-load speed as drawn."""
-    return [truth(made, joint)["no_load_rad_s"] for joint in range(JOINTS)]
+def all_drawn(made: HonestStand) -> list[dict[str, float]]:
+    """Return every joint's numbers as drawn."""
+    return [truth(made, joint) for joint in range(JOINTS)]
 
 
 def errors(made: HonestStand, joint: int, fitted: Fitted) -> dict[str, float]:
@@ -51,14 +52,14 @@ def errors(made: HonestStand, joint: int, fitted: Fitted) -> dict[str, float]:
 def measured(seed: int, joint: int):
     """Return a robot, one joint's fit, and the supply's resistance as found and as drawn.
 
-    The other joints' no-load speeds are taken to be found as well as this one's.
+    The other joints' numbers are taken to be found as well as this one's.
     """
     made = stand(seed)
     traces, shaken = sweep_joint(made.rig, joint), shake_all(made.rig)
     made.put_on_ground()
     ground = grounds(ROBOT, SERVO, stand_and_sway(made.rig))[joint]
     fitted = JointFit(SERVO, in_the_air(ROBOT, joint), traces, ground).run()
-    drawn_rad_s = no_loads_rad_s(made)
-    share = fitted.values["no_load_rad_s"] / drawn_rad_s[joint]
-    found = supply_ohm(SERVO, [share * speed for speed in drawn_rad_s], shaken)
+    share = {name: fitted.values[name] / truth(made, joint)[name] for name in NAMES}
+    numbers = [{name: share[name] * own[name] for name in NAMES} for own in all_drawn(made)]
+    found = supply_ohm(SERVO, LOADS, numbers, shaken)
     return made, fitted, (found, made.plant.made.supply_ohm)

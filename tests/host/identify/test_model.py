@@ -37,7 +37,7 @@ def test_model_and_law_do_the_same():
         "load_external": f.friction.load_external, SAG: made.supply_ohm * f.stall_A / f.voltage_V,
     }.items()}  # fmt: skip
     told = Told(goals[:, None], np.full((STEPS, 1), most), np.ones(1), np.array([start]), np.array([side]))
-    twin, _ = simulate(p, servo.friction, load, told)
+    twin, _, _ = simulate(p, servo.friction, load, told)
     assert max(places) - min(places) > 0.02
     assert np.max(np.abs(twin[:, 0, 0] - places)) < 2e-4  # an eighth of a step of the position
 

@@ -5,11 +5,11 @@ import pytest
 from host.identify.sweeping import shake_all
 from host.identify.together import supply_ohm
 
-from .robots import SERVO, no_loads_rad_s, stand
+from .robots import LOADS, SERVO, all_drawn, stand
 
 
 @pytest.mark.parametrize("seed", [107, 108, 131])
 def test_shaking_tells_the_supplys_resistance(seed):
     made = stand(seed)
     rows = shake_all(made.rig)
-    assert supply_ohm(SERVO, no_loads_rad_s(made), rows) == pytest.approx(made.plant.made.supply_ohm, rel=0.10)
+    assert supply_ohm(SERVO, LOADS, all_drawn(made), rows) == pytest.approx(made.plant.made.supply_ohm, rel=0.10)
