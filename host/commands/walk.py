@@ -87,7 +87,8 @@ def walk(
             from ..sim.space.side import run_in_space
 
             recording, more = run_in_space(spec, show)
-    result = judged(spec, walk_result(spec, recording)) | transport(data, recording, payload, motors) | more
+    result = judged(spec, walk_result(spec, recording), in_space=where == "space")
+    result |= transport(data, recording, payload, motors) | more
     result["in"] = where
     written = write_results(out, spec, recording, result) if out else []
     if as_json:

@@ -7,14 +7,18 @@ name has not been tried.
 from .gait_names import gait_names
 from .model import Robot
 
-UNTRIED = "not tried on this robot in three dimensions, where it may fall sideways: try caramelo walk --in space"
+UNTRIED = "not tried on this robot; only a walk in three dimensions shows if it falls sideways: caramelo walk --in space"
+WALKED_IN_SPACE = "not tried on this robot before: judge it by this walk"
 
 
-def why_not_advised(robot: Robot, gait: str, speed_m_s: float = 0.0) -> str:
-    """Return why a gait is not advised for this robot at this speed, "" if it is; at speed 0, about the gait alone."""
+def why_not_advised(robot: Robot, gait: str, speed_m_s: float = 0.0, *, in_space: bool = False) -> str:
+    """Return why a gait is not advised for this robot at this speed, "" if it is; at speed 0, about the gait alone.
+
+    ``in_space``: it has just walked in three dimensions, so nobody has to be sent there.
+    """
     own = robot.gait
     if gait not in own.advised_m_s:
-        return own.not_advised.get(gait, UNTRIED)
+        return own.not_advised.get(gait, WALKED_IN_SPACE if in_space else UNTRIED)
     most_m_s = own.advised_m_s[gait]
     return f"tried only up to {most_m_s:g} m/s" if abs(speed_m_s) > most_m_s else ""
 

@@ -165,7 +165,7 @@ def walk_result(spec: WalkSpec, recording: Recording) -> dict[str, Any]:
     }
 
 
-def judged(spec: WalkSpec, result: dict[str, Any]) -> dict[str, Any]:
+def judged(spec: WalkSpec, result: dict[str, Any], *, in_space: bool = False) -> dict[str, Any]:
     """Return a walk's figures with the verdict on the command: arriving is not enough if it was not walked.
 
     A command above the limits of robot and gait is limited, and so not achieved. A walk below ENOUGH of the commanded
@@ -174,7 +174,8 @@ def judged(spec: WalkSpec, result: dict[str, Any]) -> dict[str, Any]:
     most_m_s, key = Driver(spec.robot, planar=True).speed_limit(spec.gait)
     limited = f"limited to {most_m_s:.3g} m/s by {key}" if spec.speed_m_s > _FASTER * most_m_s else ""
     share = result["mean_speed_m_s"] / spec.speed_m_s
-    more: dict[str, Any] = {"limited": limited, "advice": why_not_advised(spec.robot, spec.gait, spec.speed_m_s)}
+    advice = why_not_advised(spec.robot, spec.gait, spec.speed_m_s, in_space=in_space)
+    more: dict[str, Any] = {"limited": limited, "advice": advice}
     if result["ok"] and limited:
         more |= {"ok": False, "reason": f"{result['reason']}, but {spec.speed_m_s:g} m/s was {limited}"}
     elif result["ok"] and share < ENOUGH and all(change["to"] != "backing off" for change in result["gait_changes"]):

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from host.robot.file import driven_names, load_robot
-from host.robot.gait_advice import UNTRIED, gait_advice, why_not_advised
+from host.robot.gait_advice import UNTRIED, WALKED_IN_SPACE, gait_advice, why_not_advised
 from shared.gait.gaits import GAIT_NAMES
 from tests import ROOT
 
@@ -38,6 +38,15 @@ def test_advice_goes_up_to_a_speed():
 
 def test_a_gait_that_the_robot_file_does_not_name_has_not_been_tried():
     assert set(gait_advice(advising("caramelo", {})).values()) == {UNTRIED}
+
+
+def test_who_walks_in_space_is_not_sent_there():
+    """`caramelo walk --in space` advised to try `caramelo walk --in space`."""
+    robot = advising("caramelo", {"trot": 0.3})
+    assert why_not_advised(robot, "crawl", 0.05, in_space=True) == WALKED_IN_SPACE
+    assert "--in space" in UNTRIED
+    assert "--in space" not in WALKED_IN_SPACE
+    assert why_not_advised(robot, "trot", 0.4, in_space=True) == "tried only up to 0.3 m/s"
 
 
 @pytest.mark.parametrize("name", driven_names())
