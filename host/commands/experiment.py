@@ -21,7 +21,7 @@ SET_HELP = "Seeds and start offsets: chosen, used to find the constants, or held
 def experiment(
     what: Annotated[str, typer.Argument(metavar="EXPERIMENT", help=WHAT_HELP)],
     robot: RobotName = "caramelo",
-    gait: Annotated[str | None, typer.Option(help="A gait's name (default: the robot file's).")] = None,
+    gait: Annotated[str | None, typer.Option(help="A gait's name or file (default: the robot file's).")] = None,
     trials: Annotated[int | None, typer.Option(min=1, max=1000, help="Trials per case (default: its own).")] = None,
     jobs: Jobs = 1,
     cluster: ClusterAt = "",
@@ -43,16 +43,16 @@ def experiment(
     from ..lab.experiments.trials import Options, space_is_there
     from ..lab.workers.work import workers
     from ..robot.file import load_robot
-    from ..robot.gait_names import gait_index
+    from ..robot.gait_file import with_gait
     from ..robot.trot_tuning import GAIT
     from ..util.extras import how_to_get
     from ..util.files import check_folder
     from ..util.progress import cases
 
     check_folder("--out", out)
-    names, data = names_of(what), load_robot(robot).simulated(honest)
-    chosen = gait or (GAIT if what == "goals" else data.gait.default)
-    gait_index(data, chosen)
+    names = names_of(what)
+    data = with_gait(load_robot(robot).simulated(honest), gait or (GAIT if what == "goals" else None))
+    chosen = data.gait.default
     if which not in SETS:
         raise UserError(f"--set {which}: allowed {' or '.join(SETS)}")
     if only and what != "goals":

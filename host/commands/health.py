@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from ..imu.attitude import Attitude
 
 LOOK_S = 2.0  # the sensor needs one of them to find out where up is
+SETTLE_S = 1.5  # a simulated robot first sinks onto its folded legs, which its sensor takes for being moved
 
 
 def health(
@@ -79,6 +80,8 @@ def _opened(
         which = kind_of_hardware(robot, sim, direct)
         chosen = hardware(robot, which, port, calibration, str(find(name)), imu)
         with chosen as parts, Robot(Place(parts), name) as opened:
+            if sim:
+                opened.health(SETTLE_S)
             return opened.health(seconds)
     except (UserError, Error) as error:
         return [Finding("joints", BAD, str(error)), _answers(sensor), version_finding({**versions(), "joints": ""})]

@@ -7,7 +7,7 @@ name has not been tried.
 from .gait_names import gait_names
 from .model import Robot
 
-UNTRIED = "not tried on this robot; only a walk in three dimensions shows if it falls sideways: caramelo walk --in space"
+UNTRIED = "not tried on this robot; only a walk in three dimensions shows if it falls over: caramelo walk --in space"
 WALKED_IN_SPACE = "not tried on this robot before: judge it by this walk"
 
 

@@ -28,6 +28,8 @@ def gait_names(robot: "Robot") -> tuple[str, ...]:
 def gait_index(robot: "Robot", name: str) -> int:
     """Return a gait's place among those of a robot; UserError with all names if it has none."""
     names = gait_names(robot)
+    if name.endswith(".toml"):
+        raise UserError(f"--gait {name}: only names here: put the file's keys into [[gait.own]] of a robot file")
     if name not in names:
         raise UserError(f"--gait {name}: {new_name(name) or 'no such gait; there are ' + ', '.join(names)}")
     return names.index(name)

@@ -92,6 +92,13 @@ def test_a_simulated_robot(run):
     assert all(line["verdict"] == "ok" for line in steady), steady
 
 
+def test_a_simulated_robot_has_come_to_rest_before_it_is_looked_at(run):
+    """Its sensor was bad, because it had moved: three times in four."""
+    _, out, _ = run("health", "--sim", "--direct", "--json")
+    lines = {line["name"]: line for line in json.loads(out)["lines"]}
+    assert lines["IMU"]["found"].startswith("roll "), lines["IMU"]
+
+
 @pytest.fixture
 def briefly(monkeypatch):
     """Return the options to look for less than two seconds: at a drive whose sensor has found out where up is."""

@@ -22,6 +22,7 @@ from host.lab.workers.work import Here, workers
 from host.robot.file import load_robot
 from host.robot.trot_tuning import GAIT
 from host.sim.walk import WalkSpec
+from tests import ROOT
 from tests.children import children_of
 from tests.interrupts import hear_signals
 from tests.waiting import PATIENCE_S, wait_until
@@ -278,6 +279,14 @@ def test_a_line_a_case_tells_on_stderr_how_far_it_is(run, monkeypatch):
     assert err.splitlines()[-3:] == [f"steps (crawl): {number} of 3" for number in (1, 2, 3)]
 
 
+def test_a_gait_file_is_a_gait_here_too(run, monkeypatch):
+    """Whoever wrote a gait could walk it, but not compare it with the others."""
+    made = replace(EXPERIMENTS["steps"], cases=lambda options: [], sum_up=lambda options, rows: Found({}, []))
+    monkeypatch.setitem(EXPERIMENTS, "steps", made)
+    code, out, _ = run("experiment", "steps", "--gait", str(ROOT / "examples/amble.toml"), "--json")
+    assert (code, json.loads(out)["gait"]) == (0, "amble")
+
+
 def test_table1_prints_one_object_and_writes_whole_files(run, tmp_path):
     pytest.importorskip("matplotlib", reason="matplotlib is not installed (extra sim)")
     code, out, _ = run("experiment", "table1", "--trials", "2", "--no-3d", "--json", "--out", str(tmp_path / "new"))
@@ -309,6 +318,7 @@ def test_wrong_words_are_told_in_one_line(run):
     for arguments, told in (
         (("experiment", "table3"), "there are table1, table2"),
         (("experiment", "ramp", "--gait", "gallop"), "no such gait"),
+        (("experiment", "ramp", "--gait", "gallop.toml"), "no such file"),
         (("experiment", "ramp", "--only", "flat"), "only with experiment goals; ramp has no groups"),
         (("experiment", "goals", "--only", "flat,moon"), "there are flat, conditions"),
         (("experiment", "goals", "--set", "best"), "allowed chosen or held-out"),

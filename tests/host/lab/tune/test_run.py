@@ -116,6 +116,7 @@ def test_wrong_words_are_told_in_one_line(run, tmp_path):
         (("--for", "beauty"), "--for beauty: allowed speed, steps, payload, quiet"),
         (("--in", "moon"), "--in moon: allowed plane, space"),
         (("--gait", "gallop"), "no such gait"),
+        (("--gait", "amble.toml"), "put the file's keys into [[gait.own]]"),
         (("--robot", "nobody"), "unknown"),
         (("--robot", ROBOT, "--out", str(mine)), "the file exists and comes from no search in"),
     ):
