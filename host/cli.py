@@ -17,7 +17,7 @@ from .util.errors import INTERRUPTED, NOT_ACHIEVED, WRONG_USE, UserError
 from .util.extras import missing_library
 from .util.leave import heard_signals
 
-HELP = """Control software of two walking robots, and a simulator to try it in.
+HELP = """Control software of four-legged walking robots, and simulators to try it in.
 
 Start here:
 

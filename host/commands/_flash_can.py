@@ -50,7 +50,7 @@ def _wanted(nodes: list[int], every: bool) -> list[int]:
         raise UserError("flash --can: name the joints by number, 1 to 12, or all with --all")
     wrong = [node for node in nodes if not 1 <= node <= 12]
     if wrong:
-        raise UserError(f"flash --can {wrong[0]}: allowed 1 to 12, which is 1 + 3 x leg + joint")
+        raise UserError(f"flash --can {wrong[0]}: allowed 1 to 12: FR hip 1, thigh 2, calf 3, then FL, RR, RL")
     return sorted(set(nodes)) or list(range(1, 13))
 
 

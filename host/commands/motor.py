@@ -31,7 +31,7 @@ def sim(
     out: Annotated[Path | None, typer.Option(metavar="DIR", help="Write a picture of each scenario here.")] = None,
     as_json: Json = False,
 ) -> int:
-    """Run the joint's firmware on a simulated board and motor. Without --scenario: all scenarios, and the exactness.
+    """Run the joint's firmware on a simulated board and motor. Without --scenario: all scenarios, and accuracy.
 
     Faults: shunt-offset, lost-encoder, encoder-disagreement, open-thermistor, short-thermistor, bus-sag, stall,
     late-interrupt, swapped-phases. Exit code 1 if a figure is missed.

@@ -27,7 +27,7 @@ def check_sources(micropython: Path) -> str:
     if not settings.is_file() or not (micropython / "ports/stm32/Makefile").is_file():
         raise UserError(
             f"--micropython {micropython}: no sources of MicroPython: git clone --branch v1.29.0 "
-            f"https://github.com/micropython/micropython, then name that folder"
+            f"https://github.com/micropython/micropython, then name that folder (docs/flashing.md)"
         )
     empty = [name for name in SUBMODULES if not any((micropython / "lib" / name).glob("*"))]
     if empty:

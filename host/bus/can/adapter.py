@@ -38,7 +38,7 @@ _FULL = (errno.ENOBUFS, errno.EAGAIN)
 _DOWN = (errno.ENETDOWN, errno.ENODEV, errno.EIO)
 _BUS_OFF_BIT = 0x40  # linux/can/error.h: CAN_ERR_BUSOFF
 _HINTS = {
-    "socketcan": "ip link set {} up type can bitrate {}",
+    "socketcan": "is it up? run: sudo ip link set {} up type can bitrate {}",
     "slcan": "check that the adapter is plugged in and that you may use the port (group dialout)",
     "gs_usb": "check that the adapter is plugged in; CHANNEL is its number, 0 for the first",
     "udp_multicast": "start caramelo joints sim first",

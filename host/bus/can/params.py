@@ -16,7 +16,8 @@ def find_all(names: Sequence[str] | None) -> list[Parameter]:
     for name in names or ():
         if name not in known:
             near = [other for other in known if name.split("_")[0] in other][:5]
-            raise UserError(f"{name}: no such parameter" + (f"; there are {', '.join(near)}" if near else ""))
+            some = f"there are {', '.join(near)}" if near else "caramelo joints params get NODE lists them"
+            raise UserError(f"{name}: no such parameter; {some}")
     return [known[name] for name in names] if names else list(known.values())
 
 

@@ -8,7 +8,7 @@ import typer
 
 from ...util.console import print_table, progress, screen, write_error, write_json
 from ...util.errors import NOT_ACHIEVED, UserError
-from .options import Channel, Interface, Json, RobotName, Sim, joints
+from .options import NODES, Channel, Interface, Json, RobotName, Sim, joints
 
 if TYPE_CHECKING:
     from ...bus.can.commission import Found
@@ -19,7 +19,7 @@ MOTOR_KEYS = ("pole_pairs", "resistance_ohm", "inductance_H", "torque_constant_N
 
 
 def commission(
-    node: Annotated[str, typer.Argument(metavar="NODE|all", help="1 + 3 x leg + joint, or all, one by one.")],
+    node: Annotated[str, typer.Argument(metavar="NODE|all", help=f"{NODES}; or all, one by one.")],
     verify: Annotated[bool, typer.Option("--verify", help="Compare direction and offset; change nothing.")] = False,
     out: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write a copy of the robot file with the results.")
@@ -27,7 +27,7 @@ def commission(
     robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False,
     as_json: Json = False,
 ) -> int:  # fmt: skip
-    """Let a joint measure its motor in the leg, set its current loop and save the results. Exit code 1 if it fails.
+    """Let a joint measure its motor in the leg, set its loops and save the results. Exit code 1 if it fails.
 
     The rotor turns a little more than once from where it stands: keep the legs in the air and the joint in the middle
     of its range. With --sim each joint is simulated with its motor.

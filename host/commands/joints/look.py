@@ -56,7 +56,8 @@ def status(
         write_json({"joints": rows, "port": counters, "trouble": trouble})
     else:
         screen().print(table(rows))
-        screen().print(", ".join(f"{count} {name.replace('_', ' ')}" for name, count in counters.items()))
+        screen().print("frames: {sent} sent, {received} received, {full} lost to a full send buffer; "
+                       "{bus_off} times bus-off".format(**counters))
         if trouble:
             screen().print(trouble, soft_wrap=True)
     return 0 if all(row["fault"] == "none" for row in rows) else NOT_ACHIEVED

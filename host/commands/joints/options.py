@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from ...bus.can.joints import CanJoints
     from ...bus.can.port import Port
 
+NODES = "FR hip 1, thigh 2, calf 3; then FL 4 to 6, RR 7 to 9, RL 10 to 12"
 RobotName = Annotated[str, typer.Option("--robot", help="A robot's name, or a file ending in .toml.")]
 Interface = Annotated[
     str | None,
@@ -20,7 +21,7 @@ Interface = Annotated[
 Channel = Annotated[str | None, typer.Option(help="can0, a serial port, an adapter's number or a multicast group.")]
 Sim = Annotated[bool, typer.Option("--sim", help="Talk to joints simulated in this process, in simulated time.")]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
-Node = Annotated[int, typer.Argument(metavar="NODE", min=1, max=12, help="1 + 3 x leg + joint.")]
+Node = Annotated[int, typer.Argument(metavar="NODE", min=1, max=12, help=f"{NODES}.")]
 Seconds = Annotated[float | None, typer.Option(min=0.0, help="Stop after this time (default: on Ctrl-C).")]
 @contextmanager
 def joints(

@@ -44,13 +44,15 @@ def set_(
 ) -> int:  # fmt: skip
     """Write one parameter of a joint. It lasts until the joint loses power; params save makes it permanent.
 
-    Example: caramelo joints params set 5 position_p 900
+    Example: caramelo joints params set 5 position_p 9
     """
     from ...bus.can.params import find_all, write
 
     with joints(robot, interface, channel, sim) as bus:
-        raw = write(bus.requests, node, find_all([name])[0], value)
-    screen().print(f"node {node}: {name} is now raw {raw}; params save makes it permanent")
+        parameter = find_all([name])[0]
+        raw = write(bus.requests, node, parameter, value)
+    now = f"{parameter.to_value(raw):.10g} {parameter.unit}".rstrip()
+    screen().print(f"node {node}: {name} is now {now} (raw {raw}); params save makes it permanent")
     return 0
 
 

@@ -104,7 +104,7 @@ def test_another_way_of_updating_is_told(run, robot, image, monkeypatch):
     [
         (("--can",), "name the joints by number, 1 to 12, or all with --all"),
         (("--can", "3", "--all"), "name the joints by number, 1 to 12, or all with --all"),
-        (("--can", "13"), "flash --can 13: allowed 1 to 12, which is 1 + 3 x leg + joint"),
+        (("--can", "13"), "flash --can 13: allowed 1 to 12: FR hip 1, thigh 2, calf 3, then FL, RR, RL"),
         (("--can", "3", "--port", "/dev/null"), "--port and --id are for boards on USB"),
         (("3",), "go with --can"),
         (("--can", "3", "--robot", "caramelo"), "caramelo has no joints on CAN"),

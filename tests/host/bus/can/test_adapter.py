@@ -81,7 +81,7 @@ def test_bus_off_is_told_and_recovered_from(pair):
 
 
 def test_an_adapter_that_is_not_there_is_one_line():
-    with pytest.raises(UserError, match=r"can't open socketcan nocan7.*ip link set nocan7 up"):
+    with pytest.raises(UserError, match=r"can't open socketcan nocan7.*run: sudo ip link set nocan7 up"):
         AdapterPort("socketcan", "nocan7", 1_000_000)
     with pytest.raises(UserError, match="allowed socketcan"):
         AdapterPort("pigeon", "0", 1_000_000)

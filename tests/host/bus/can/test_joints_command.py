@@ -32,12 +32,12 @@ def test_scan_lists_twelve_boards(joints):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        ("status", ("FR thigh (2)", "disabled")),
+        ("status", ("FR thigh (2)", "disabled", "0 lost to a full send buffer")),
         ("arm --seconds 0.3", ("disarmed",)),
         ("disarm", ()),
         ("clear", ()),
         ("set-id 0x27b2d3d6 1", ()),
-        ("params set 5 gear_q8 21.5", ("raw 5504",)),
+        ("params set 5 gear_q8 21.5", ("gear_q8 is now 21.5 rotor turn/joint turn (raw 5504)",)),
         ("params diff 5", ("has_joint_encoder",)),
         ("params save 3", ()),
         ("params restore 3", ()),
@@ -54,7 +54,7 @@ def test_what_is_done_is_said(joints, words, said):
     [
         ("set-id 0x27b2d3d6 5 --sim", "node 5 is taken"),
         ("params set 5 gear_q8 900 --sim", "gear_q8: 900: allowed 1 to 63"),
-        ("params get 5 nonsense --sim", "no such parameter"),
+        ("params get 5 nonsense --sim", "no such parameter; caramelo joints params get NODE lists them"),
         ("monitor --sim --plot smell", "--plot smell: allowed"),
         ("sim --robot caramelo --seconds 0.1", "no joints on CAN"),
     ],
