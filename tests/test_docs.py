@@ -121,6 +121,7 @@ def test_the_site_has_every_command_with_every_option(site):
             options = [option for parameter in below.params for option in parameter.opts if option.startswith("--")]
             assert [option for option in options if f"`{option}`" not in page] == []
         assert f"({name}.md)" in site["commands/index.md"]
+        assert "``" not in page.replace("```", ""), "an empty default stands there as two ticks"
 
 
 def test_the_site_tells_of_every_key_what_is_allowed(site):
