@@ -110,7 +110,9 @@ def without(parameter: Any) -> str:
     value = parameter.default
     if parameter.required:
         return "needed"
-    return "" if value is None or value is False or value == "" or callable(value) else f"`{'yes' if value is True else value}`"
+    if value is None or value is False or value == "" or callable(value):
+        return ""
+    return f"`{'yes' if value is True else value}`"
 
 
 def cell(text: str) -> str:
