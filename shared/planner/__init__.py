@@ -1,1 +1,1 @@
-"""The whole robot, once a tick."""
+"""The planner: the whole robot, once a tick."""

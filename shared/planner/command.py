@@ -1,7 +1,7 @@
-"""The command as the core takes it, limited and slewed: nothing a driver sends acts at once.
+"""The driver's command, limited and slewed: nothing that a driver sends acts at once.
 
-A command is one block. Speeds are slewed to what was asked for within the gait's and the robot's
-limits, the body pose likewise, so a step of the stick is a ramp of the robot.
+A command is one block. Its speeds and its body pose are slewed within the limits of gait and robot, so a step of the
+stick becomes a ramp of the robot.
 """
 
 from ..body.axes import POSE_AXES, TWIST_AXES, Pose, Twist
@@ -13,11 +13,11 @@ from ..runtime import const, hot
 
 @record
 class Command:
-    """What a driver wants, limited and slewed by the planner."""
+    """What a driver wants; the planner limits and slews it."""
 
     mode: int = field("", "MODE_...")
     gait: int = field("", "index into gaits.GAITS")
-    speed: Twist = part(Twist, "to walk at")
+    speed: Twist = part(Twist, "walking speed")
     pose: Pose = part(Pose, "of the body over its feet")
     balance: int = field("", "1: keep the body level by the measured attitude")
     height: int = field("lu", "swing height; 0: the gait's own")
@@ -29,12 +29,12 @@ MODE_LIMP = const(0)  # drive nothing: the joints are not held
 MODE_STAND = const(1)
 MODE_WALK = const(2)
 MODE_SIT = const(3)
-MODE_FOLD = const(4)  # one that lies limp on its belly: fold the legs, then sit; else as MODE_SIT
+MODE_FOLD = const(4)  # a robot that lies limp on its belly folds its legs, then sits; otherwise as MODE_SIT
 
 
 @hot
 def repeat_command(command: Command, told: Command) -> None:
-    """Copy a command."""
+    """Copy ``command`` into ``told``."""
     told.mode = command.mode
     told.gait = command.gait
     told.balance = command.balance
@@ -57,9 +57,9 @@ def slew(now: int, wanted: int, step: int) -> int:
 
 @hot
 def slew_speed_axis(now: int, told: int, most: int, halves: int, step: int) -> int:
-    """Return a speed one tick on towards halves/2 of ``told``, which is first limited to ``most``.
+    """Return ``now`` slewed for one tick towards halves/2 of ``told``, which is first limited to +-``most``.
 
-    Half an odd speed is rounded towards 0, so that left and right mirror.
+    Half of an odd speed is rounded towards 0, so that left and right mirror each other.
     """
     if told > most or told < -most:
         told = saturate(told, -most, most)
@@ -75,9 +75,9 @@ def slew_speed_axis(now: int, told: int, most: int, halves: int, step: int) -> i
 
 @hot
 def slew_speed(params: Params, most: Twist, command: Command, halves: int, speed: Twist) -> int:
-    """Move ``speed`` one tick towards the command times halves/2; return 1 if it is all 0.
+    """Slew ``speed`` for one tick towards halves/2 of the command; return 1 if it is then 0 on every axis.
 
-    halves: 0 to stop, 1, or 2 for the whole command, which is first limited to ``most``.
+    halves: 0 to stop, 1 or 2 for half or all of the command, which is first limited to ``most``.
     """
     speed.vx = slew_speed_axis(speed.vx, command.speed.vx, most.vx, halves, params.speed_slew.vx)
     speed.vy = slew_speed_axis(speed.vy, command.speed.vy, most.vy, halves, params.speed_slew.vy)
@@ -89,7 +89,7 @@ def slew_speed(params: Params, most: Twist, command: Command, halves: int, speed
 
 @hot
 def is_posed(command: Command, pose: Pose) -> int:
-    """Return 1 if ``pose`` is the command's, as it is in most ticks; else 0."""
+    """Return 1 if ``pose`` equals the commanded pose, as in most ticks; else 0."""
     told = command.pose
     if pose.x != told.x or pose.y != told.y or pose.z != told.z:
         return 0
@@ -100,7 +100,7 @@ def is_posed(command: Command, pose: Pose) -> int:
 
 @hot
 def slew_pose(params: Params, command: Command, standing: int, pose: Pose) -> int:
-    """Move ``pose`` one tick towards the command's, level unless ``standing``; return 1 if so."""
+    """Slew ``pose`` for one tick towards the commanded pose, or towards 0 unless ``standing``; return 1 if it moved."""
     moves = 0
     for axis in range(POSE_AXES):
         wanted = 0

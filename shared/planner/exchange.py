@@ -1,8 +1,8 @@
-"""Which mover has a tick: when trot and crawl take over from each other.
+"""Chooses the mover of each tick: when trot and crawl hand over to each other.
 
     trot -> (held up) backing off -> crawl -> trot
 
-A gait of a table is walked by its table alone. Movers take over from each other when the robot stands.
+A table gait is walked by its table alone. Movers take over from each other while the robot stands.
 """
 
 from ..gait.table import MOVER_CRAWL, MOVER_TABLE, MOVER_TROT
@@ -15,13 +15,13 @@ from .state import PlannerState
 from .status import BLIND, STANDING
 from .steps import use_gait, wanted_gait
 
-_HELD_S = const(4)  # of swings held up: 3 breaks off steps that it gets over, with 6 the trunk comes down on walls
-_HELD_IN_A_ROW = const(7)  # swings of two feet: with 5 and 6 Caramelo breaks off steps that it gets over
+_HELD_S = const(4)  # of held-up swings; with 3 it gives up at edges that it can climb, with 6 its trunk comes down on walls
+_HELD_IN_A_ROW = const(7)  # held-up swings of a pair of feet; with 5 or 6 Caramelo gives up at steps that it can climb
 
 
 @hot
 def walker(planner: PlannerState) -> int:
-    """Return the mover that walks the present gait where it is not crawled."""
+    """Return the mover that walks the current gait when it is not crawled: its table or the trot."""
     gait = planner.gait
     if gait.mover == MOVER_TABLE:
         return MOVER_TABLE
@@ -30,7 +30,7 @@ def walker(planner: PlannerState) -> int:
 
 @hot
 def choose_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """Take up the commanded gait if the robot stands; return the mover that has this tick.
+    """Switch to the commanded gait if the robot stands; return the mover of this tick.
 
     A crawl that has begun goes on until it gives way by itself.
     """
@@ -53,10 +53,10 @@ def choose_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int
 
 @hot
 def crawl_is_due(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """Return 1 if the crawl is to begin in this tick, else 0; held up for good, the trot begins to back off instead.
+    """Return 1 if the crawl begins in this tick, else 0; a trot that is held up for good begins to back off instead.
 
-    It begins from a stand, when its gait is commanded and a way that it can go. Without measured joints or attitude it
-    does not (BLIND).
+    The crawl begins from a stand, if its gait is commanded in a direction that it can go. It does not begin without
+    measured joints or attitude (BLIND).
     """
     status = planner.status
     gait = planner.gait
@@ -80,7 +80,7 @@ def crawl_is_due(planner: PlannerState, command: Command, sensed: Sensed) -> int
 
 @hot
 def back_off(planner: PlannerState) -> None:
-    """The held-up trot begins to back off, with low swings: behind it the ground is known."""
+    """Let the held-up trot begin to back off, with low swings: the ground behind the robot is known."""
     planner.trot.state.high_left = 0
     planner.status.backing_off = 1
     retreat_start(planner.retreat)
@@ -88,9 +88,9 @@ def back_off(planner: PlannerState) -> None:
 
 @hot
 def held_up_for_good(planner: PlannerState) -> int:
-    """Return 1 if the trot has been held up for longer than over any step it takes, else 0.
+    """Return 1 if the trot has been held up for longer than at any step that it can climb, else 0.
 
-    Both feet of a pair, swing after swing: then it is a wall, and the sooner it is noticed the better.
+    If both feet of the front or hind pair are held up swing after swing, it is a wall: better noticed early than late.
     """
     walk = planner.trot
     if planner.status.mover != MOVER_TROT:
@@ -104,9 +104,9 @@ def held_up_for_good(planner: PlannerState) -> int:
 
 @hot
 def backed_off(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """One tick of backing off; return 1 if it is done and the crawl takes over, 0 while the trot walks.
+    """Do one tick of backing off; return 1 once it is done and the crawl takes over, 0 while the trot walks.
 
-    It is given up when the command is no longer one for it, or when the senses it needs are missing.
+    It is abandoned if the command no longer allows it, or if joints or attitude are missing.
     """
     status = planner.status
     gait = planner.gaits[wanted_gait(planner, command)]

@@ -1,9 +1,9 @@
-"""What is sent and what is believed: no goal moves faster than its joint can, and no single odd reading counts.
+"""The two ends of a tick: no goal moves faster than its joint can, and no single odd reading is believed.
 
     readings -> believed -> ... -> wanted goals -> at most the joint's speed from those sent last -> goals
 
-Both ends of a tick, in every state. In ordinary walking a reading never is odd, and the limit of the speed only
-acts where a gait asks for more than the joint has (the papers' trot, the first ticks of a swing).
+Both apply in every state. In ordinary walking no reading is odd, and the speed limit only acts where a gait asks for
+more than the joint has (the papers' trot, the first ticks of a swing).
 """
 
 from ..body.params import CALF, JOINTS, THIGH, Params
@@ -12,30 +12,30 @@ from ..record import field, record, vector
 from ..runtime import Ints, const, hot
 
 READ_NONE = const(0)  # no reading yet
-READ_ONCE = const(1)  # one set of readings that the next has to agree with before any is believed
+READ_ONCE = const(1)  # one set of readings, believed only if the next set agrees with it
 READ_SURE = const(2)
-READ_ODD = const(3)  # some of the last set were odd
+READ_ODD = const(3)  # some readings of the last set were odd
 
 
 @record
 class Past:
-    """What is remembered of up to 12 readings."""
+    """Earlier readings, up to 12, that show which new ones are odd."""
 
     odd: Ints = vector(JOINTS, "brad", "the last set in which some were odd")
     state: int = field("", "READ_...")
     row: int = field("ticks", "odd sets in a row")
 
 
-_MOST_ODD = const(10)  # odd sets in a row after which nothing is known any more
+_MOST_ODD = const(10)  # odd sets in a row after which nothing counts as known
 
 
 @hot
 def follow_goals(params: Params, wanted: Ints, joints: Ints) -> None:
-    """Move ``joints`` (12 brad, sent last) towards ``wanted`` (12 brad), no motor faster than it can.
+    """Move ``joints`` (12 brad, sent last) towards ``wanted`` (12 brad), no motor faster than its top speed.
 
-    Within +-32768. A calf's motor on the body turns thigh + calf (paper B), so that sum is what its speed limits.
-    Every angle stays between where it was and where it is wanted: goals within the joint limits stay within them.
-    Exact. Intermediates: two sums of two angles, below 2^18.
+    Angles within +-32768. A calf motor on the body (paper B) turns thigh + calf, so its speed limits that sum. Every
+    angle stays between where it was and where it is wanted, so goals within the joint limits stay within them. Exact.
+    Intermediates: two sums of two angles, below 2^18.
     """
     most = params.joint_near
     least = -most
@@ -53,7 +53,7 @@ def follow_goals(params: Params, wanted: Ints, joints: Ints) -> None:
 
 @hot
 def follow_leg(params: Params, wanted: Ints, joints: Ints, at: int) -> None:
-    """Move the three joints of one leg, from ``at`` on, as follow_goals does."""
+    """Move the three joints of one leg, which start at index ``at``, as follow_goals does."""
     thigh = wanted[at + THIGH] - joints[at + THIGH]
     calf = wanted[at + CALF] - joints[at + CALF]
     if params.coupled:
@@ -69,7 +69,7 @@ def follow_leg(params: Params, wanted: Ints, joints: Ints, at: int) -> None:
 
 @hot
 def joints_near(params: Params, readings: Ints, joints: Ints) -> int:
-    """Return 1 if each of ``joints`` (12 brad) gets to its reading within one tick, else 0."""
+    """Return 1 if each of ``joints`` (12 brad) can get to its reading within one tick, else 0."""
     for joint in range(JOINTS):
         gap = readings[joint] - joints[joint]
         top = params.joint_top[joint % 3]
@@ -80,13 +80,13 @@ def joints_near(params: Params, readings: Ints, joints: Ints) -> int:
 
 @hot
 def believe(readings: Ints, count: int, step: int, believed: Ints, past: Past) -> int:
-    """Copy ``count`` readings (at most 12) into ``believed``, but for odd ones.
+    """Copy ``count`` readings (at most 12) into ``believed``, except odd ones.
 
-    A reading is limited to +-32768. It is odd if it is more than ``step`` away from what is believed and from the
-    reading before it; then what is believed stays. So one odd reading counts nothing, and one that lasts counts from
-    its second tick on. The first set of all is believed when the next one agrees.
-    Returns how many are odd, or -1 while nothing is known: at first, and after ten odd sets in a row.
-    Intermediates: below 2^17.
+    Readings are limited to +-32768. A reading is odd if it differs by more than ``step`` from the believed value and
+    from the reading before it; the believed value then stays. So a single odd reading never counts, and a change that
+    lasts counts from its second tick on. The first set of all is believed when the next one agrees. Returns how many
+    readings are odd, or -1 while nothing is known: at first, and after ten odd sets in a row. Intermediates: below
+    2^17.
     """
     state = past.state
     odd = 0
@@ -119,9 +119,9 @@ def believe(readings: Ints, count: int, step: int, believed: Ints, past: Past) -
 
 @hot
 def believe_again(readings: Ints, count: int, step: int, believed: Ints, past: Past) -> int:
-    """Believe those odd readings that agree with an odd set just before; keep the set; return how many stay odd.
+    """Believe those odd readings that agree with the odd set just before; keep the set; return how many stay odd.
 
-    Used by believe.
+    Part of believe.
     """
     odd = 0
     for place in range(count):

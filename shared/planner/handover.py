@@ -1,7 +1,7 @@
-"""Trot and crawl take over from each other: why, for which commands, and so that no joint goal jumps.
+"""Handover between trot and crawl: why, for which commands, and so that no joint goal jumps.
 
 The crawl starts from the measured joints, wherever the feet are; the trot from the goals sent last. A table's first
-goals differ from those, which fades over half a second.
+goals differ from the goals sent last; the difference fades out over half a second.
 """
 
 from ..body.params import JOINTS, Params
@@ -14,19 +14,19 @@ from .command import Command
 # Why the gait was changed
 REASON_NONE = const(0)
 REASON_HELD = const(1)  # the trot's swings are held up again and again
-REASON_COMMAND = const(2)  # the driver wants it so, or a way the crawl cannot go
+REASON_COMMAND = const(2)  # the driver commands another gait, or a direction that the crawl cannot go
 REASON_EVEN = const(3)  # the ground has been even for a body's length: back to the trot
 
-_STRAIGHT = const(12)  # a turn of up to a twelfth of the fastest is straight on
+_STRAIGHT = const(12)  # turning at up to a twelfth of the top speed counts as straight on
 
 
 @record
 class Fade:
-    """What joint goals still differ from those of the gait before, fading out."""
+    """How far the joint goals still differ from those of the previous mover, fading out."""
 
-    left: int = field("ticks", "to go; -1: the jump is still to be taken")
-    ticks: int = field("ticks", "the whole fade")
-    jump: Ints = vector(JOINTS, "brad", "by which the first goals differed; until it is taken, the goals sent last")
+    left: int = field("ticks", "still to fade; -1: the jump is not known yet")
+    ticks: int = field("ticks", "length of the whole fade")
+    jump: Ints = vector(JOINTS, "brad", "goals sent last less the first new ones; at left = -1, the goals sent last")
 
 
 @hot
@@ -39,7 +39,7 @@ def exchanges(mover: int) -> int:
 
 @hot
 def straight_on(params: Params, command: Command) -> int:
-    """Return 1 if the command is one the crawl can follow: forwards, hardly sideways, hardly turning; else 0."""
+    """Return 1 if the crawl can follow the command: forwards, at most 45 deg sideways, hardly turning; else 0."""
     ahead = command.speed.vx
     aside = command.speed.vy
     turn = saturate(command.speed.wz, -0xFFFFF, 0xFFFFF) * _STRAIGHT
@@ -52,7 +52,7 @@ def straight_on(params: Params, command: Command) -> int:
 
 @hot
 def fade_start(params: Params, fade: Fade, joints: Ints) -> int:
-    """Keep the goals sent last (12 brad): the next ones are to go on from there; return the ticks of the fade."""
+    """Keep the goals sent last (12 brad), from which the next ones are to go on; return the ticks of the fade."""
     for joint in range(JOINTS):
         fade.jump[joint] = joints[joint]
     fade.left = -1

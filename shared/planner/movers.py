@@ -1,10 +1,10 @@
-"""The movers: what stands and walks. Each owns its ticks whole: command and senses in; joint goals and status out.
+"""The movers: the code that stands and walks. A mover owns its ticks whole: command, senses in; goals, status out.
 
-    start   it takes over a robot that stands
-    tick    one tick, into ``planner.goal`` and ``planner.status``; returns why it gives way, or 0
-    stop    another takes over
+    start   take over a robot that stands
+    tick    one tick, into ``planner.goal`` and ``planner.status``; return why it gives way, or 0
+    stop    end, because another mover takes over
 
-This is the one place that knows which is which; exchange.py says when they take over from each other.
+This is the one place that knows which mover is which; exchange.py says when they take over from each other.
 """
 
 from ..gait.table import MOVER_CRAWL, MOVER_TROT
@@ -20,7 +20,7 @@ from .walk_trot import start_trot, stop_trot, walk_trot
 
 @hot
 def change_mover(planner: PlannerState, mover: int) -> None:
-    """Let ``mover`` have the ticks from now on."""
+    """Make ``mover`` the current mover."""
     if mover != planner.status.mover:
         stop_mover(planner)
         planner.status.mover = mover
@@ -29,7 +29,7 @@ def change_mover(planner: PlannerState, mover: int) -> None:
 
 @hot
 def start_mover(planner: PlannerState, mover: int) -> None:
-    """Begin the work of ``mover``. A table needs no start."""
+    """Start ``mover``. A table needs no start."""
     if mover == MOVER_CRAWL:
         start_crawl(planner)
     elif mover == MOVER_TROT:
@@ -38,7 +38,7 @@ def start_mover(planner: PlannerState, mover: int) -> None:
 
 @hot
 def tick_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """One tick of the mover at work; return why it gives way (handover.REASON_...), REASON_NONE if it goes on."""
+    """Do one tick of the current mover; return why it gives way (handover.REASON_...), REASON_NONE if it goes on."""
     status = planner.status
     if status.mover == MOVER_CRAWL:
         return walk_crawl(planner, command, sensed)
@@ -54,7 +54,7 @@ def tick_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int:
 
 @hot
 def stop_mover(planner: PlannerState) -> None:
-    """End the work of the mover at work. A table, which ends with its feet at rest, needs no stop."""
+    """Stop the current mover. A table, which ends with its feet at rest, needs no stop."""
     if planner.status.mover == MOVER_CRAWL:
         stop_crawl(planner)
     elif planner.status.mover == MOVER_TROT:

@@ -1,13 +1,13 @@
-"""The whole robot, once a tick: command and senses in, twelve joint angles and flags out.
+"""The planner, once a tick: command and senses in, twelve joint angles and flags out.
 
     command, senses -> mover -> feet -> balance -> body pose -> 4 x leg -> limits -> wanted -> speed -> joints
 
 States: limp (nothing is driven), rising, standing, walking, sitting (going down), seated, folding (on its belly). A
-command names a mode, and the planner goes there through the states between: nobody walks who has
-not stood up first, and nobody sits down in mid-stride.
+command names a mode, and the planner goes there through the states between: the robot never walks before it has stood
+up, and never sits down in mid-stride.
 
 Its parts: states (which state next), exchange and movers (what stands and walks: a table, the trot, the crawl), senses,
-steps (the feet) and pose (body and legs) for them, status (what the planner tells), state (all it remembers).
+steps (the feet) and pose (body and legs) for them, status (what the planner reports), state (all it remembers).
 """
 
 from ..body.params import Params
@@ -30,9 +30,9 @@ from .weight import put_down, watch_weight
 class Planner(PlannerState):
     """The control core of one robot at one rate.
 
-    ``Planner(params)`` allocates all it needs; ``tick`` allocates nothing. After a tick read
-    ``joints`` (12 brad, what is to be sent), ``leg_flags`` (4), ``status``, ``reached`` (the planned feet, lu from
-    the hips; the crawl has its own). Raises ValueError if a gait can't fit the robot.
+    ``Planner(params)`` allocates all it needs; ``tick`` allocates nothing. After a tick read ``joints`` (12 brad, the
+    goals to send), ``leg_flags`` (4), ``status``, ``reached`` (the planned feet, lu from the hips; the crawl has its
+    own). Raises ValueError if a gait can't fit the robot.
     """
 
     def __init__(self, params: Params, more: tuple = ()):
@@ -42,15 +42,15 @@ class Planner(PlannerState):
     def tick(self, command: Command, sensed: Sensed) -> int:
         """Take a command and what is sensed, plan one tick; return the flags.
 
-        Any 30-bit value in either block is survived: speeds and poses are limited, an unknown mode or
-        gait sets BAD_COMMAND. Intermediates are those of the functions called.
+        Any 30-bit value in either block is tolerated: speeds and poses are limited, an unknown mode or gait sets
+        BAD_COMMAND. Intermediates are those of the functions called.
         """
         return plan(self, command, sensed)
 
 
 @hot
 def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
-    """One tick of the planner; returns its flags."""
+    """Do one tick of the planner; return its flags."""
     status = planner.status
     status.flags = 0
     take_senses(planner, sensed)
@@ -75,7 +75,7 @@ def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
 
 @hot
 def move(planner: PlannerState, command: Command, sensed: Sensed) -> None:
-    """One tick of standing or walking by the mover whose turn it is."""
+    """Do one tick of standing or walking by the mover whose turn it is."""
     change_mover(planner, choose_mover(planner, command, sensed))
     reason = tick_mover(planner, command, sensed)
     if reason:

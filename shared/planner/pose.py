@@ -1,4 +1,4 @@
-"""The body over the planned feet: balance added to the commanded pose, then the four legs solved for it."""
+"""The body over the planned feet: adds balance to the commanded pose, then solves the four legs for it."""
 
 from ..body.axes import POSE_AXES
 from ..body.balance import balance_release, balance_step
@@ -30,7 +30,7 @@ def pose_legs(planner: PlannerState, command: Command, sensed: Sensed) -> None:
 
 @hot
 def level(planner: PlannerState, command: Command, sensed: Sensed) -> None:
-    """Add balance to the slewed body pose. NO_ATTITUDE if it was asked for in vain."""
+    """Add the balance's correction to the slewed body pose; set NO_ATTITUDE if balance lacks a known tilt."""
     posed = planner.last_pose
     if command.balance and sensed.valid.tilt:
         roll = saturate(sensed.tilt[ROLL], -32768, 32767)
@@ -48,10 +48,10 @@ def level(planner: PlannerState, command: Command, sensed: Sensed) -> None:
 
 @hot
 def solve_legs(planner: PlannerState, joints: Ints) -> int:
-    """Solve all four legs for the planned feet and body pose into ``joints``; return the flags together.
+    """Solve all four legs for the planned feet and body pose into ``joints``; return the flags of all legs together.
 
-    A foot that would pass close by its hip, or over it, stays clear below: it would swing the whole leg round in a
-    tick or two. ``status.beyond`` is set where a standing leg has flags.
+    A foot that would pass close to its hip, or above it, is kept clear below it: else the whole leg would swing round
+    in a tick or two. ``status.beyond`` is set where a stance leg has flags.
     """
     status = planner.status
     body_rotation(planner.last_pose, planner.rotation)
@@ -77,7 +77,7 @@ def solve_legs(planner: PlannerState, joints: Ints) -> int:
 
 @hot
 def tell_margin(planner: PlannerState) -> None:
-    """Write how far the centre of mass is inside the polygon of the standing feet into the status."""
+    """Write the margin, how far the centre of mass is inside the support, into the status."""
     params = planner.params
     status = planner.status
     for leg in range(LEGS):

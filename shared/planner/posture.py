@@ -1,8 +1,7 @@
 """Slow moves of all twelve joints at once: standing up and sitting down.
 
-They start from the joints as measured, end in a goal pose, and take as long as the joint with the
-longest way needs at the robot's slow joint speed; all joints start and arrive together, on the
-cycloid's profile, so nothing jerks.
+They start from the goals sent last, end in a goal pose, and take as long as the joint with the longest way needs at the
+robot's slow joint speed. All joints start and arrive together, on a cycloid's profile, so that nothing jerks.
 """
 
 from ..body.params import JOINTS, Params
@@ -17,15 +16,15 @@ class Move:
 
     start: Ints = vector(JOINTS, "brad", "where it began")
     goal: Ints = vector(JOINTS, "brad", "where it ends")
-    ticks: int = field("ticks", "the whole move")
-    tick: int = field("ticks", "gone by")
+    ticks: int = field("ticks", "length of the whole move")
+    tick: int = field("ticks", "elapsed")
 
 
 @hot
 def posture_start(params: Params, move: Move, joints: Ints, goal: Ints) -> int:
     """Begin a move from ``joints`` to ``goal`` (12 brad each, within +-32768); return its ticks.
 
-    The peak speed of a cycloid is twice its mean, hence twice the ticks of an even move.
+    The peak speed of a cycloid is twice its mean, so it takes twice the ticks of a move at constant speed.
     """
     longest = 0
     for joint in range(JOINTS):
@@ -48,8 +47,8 @@ def posture_start(params: Params, move: Move, joints: Ints, goal: Ints) -> int:
 def posture_step(move: Move, joints: Ints) -> int:
     """Write the move's next 12 joint angles into ``joints``; return the ticks still to come.
 
-    Error at most 1.5 brad against the cycloid; the last angles are the goal's. Intermediates: the way of a
-    joint is below 65536 brad and is taken in halves: 32768 * 32768.
+    Error at most 1.5 brad against the cycloid; the last angles are exactly the goal's. Intermediates: a joint's way is
+    below 65536 brad and is taken in halves: 32768 * 32768.
     """
     move.tick += 1
     left = move.ticks - move.tick

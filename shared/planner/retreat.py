@@ -1,8 +1,8 @@
-"""Before the crawl the held-up trot backs off: it walks back a third of a leg and comes to a stand.
+"""Before the crawl begins, the held-up trot backs off: it walks back 0.3 of a leg and comes to a stand.
 
-Held up means that a foot is jammed at an edge, the trunk leaning on it. A crawl begun there lifts its first
-foot while the robot's weight is across the other diagonal, and it tips over; begun from a level stand clear
-of the edge it does not. The way back is measured by the legs' odometry, so slip does not count.
+A held-up foot is jammed at an edge, with the trunk leaning on it. A crawl that began there would lift its first foot
+while the weight is on the other diagonal, and the robot would tip over; from a level stand clear of the edge it does
+not. The way back is the sum of the trot's measured speed.
 """
 
 from ..body.params import LF_BITS, Params
@@ -16,18 +16,18 @@ from .command import Command, repeat_command
 class Retreat:
     """How far the held-up trot has backed off."""
 
-    moved: int = field("lf", "how far back it has come")
+    moved: int = field("lf", "distance backed off so far")
     ticks: int = field("ticks", "since it began")
-    ends: int = field("", "1: far enough, or for long enough: stop")
-    stood: int = field("ticks", "in a row that it has stood since")
+    ends: int = field("", "1: it has backed off far or long enough, and stops")
+    stood: int = field("ticks", "for how long it has stood since")
 
 
-_LONGEST_S = const(6)  # then the ground behind does not let it back off, and it stops where it is
+_LONGEST_S = const(6)  # after this the ground behind is taken to block the robot, and it stops where it is
 
 
 @hot
 def retreat_start(retreat: Retreat) -> None:
-    """Begin: nothing gone yet."""
+    """Begin to back off, from here."""
     retreat.moved = 0
     retreat.ticks = 0
     retreat.ends = 0
@@ -38,12 +38,10 @@ def retreat_start(retreat: Retreat) -> None:
 def retreat_step(
     params: Params, command: Command, moved_lf: int, standing: int, retreat: Retreat, told: Command
 ) -> int:
-    """Write this tick's command for the trot into ``told``: backwards, then nothing.
+    """Write this tick's command for the trot into ``told``: backwards, then nothing; return 1 once it stood for 0.5 s.
 
-    Returns 1 once it has stood for half a second.
-
-    moved: lf, how far the body came forwards in the last tick, limited to +-2^22; standing: 1 if the planner stands.
-    Back by 0.3 of the leg (72 mm for Caramelo) at a tenth of the largest speed; all else as commanded.
+    moved_lf: lf, how far the body came forwards in the last tick, limited to +-2^22; standing: 1 if the planner stands.
+    The trot goes back by 0.3 of the leg (72 mm for Caramelo) at a tenth of the largest speed; all else is as commanded.
     Intermediates: 3 * 2^15 * 2^8 lf.
     """
     repeat_command(command, told)

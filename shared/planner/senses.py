@@ -1,4 +1,4 @@
-"""What is believed of the senses: joints and tilt, what the legs tell, and where the robot has walked to."""
+"""What the planner believes: joints and tilt, what the legs feel, and how far the robot has walked."""
 
 from ..body.params import JOINTS
 from ..runtime import Ints, hot
@@ -12,9 +12,9 @@ from .status import ODD_READING, STANDING, WALKING
 
 @hot
 def take_senses(planner: PlannerState, sensed: Sensed) -> None:
-    """Write into ``planner.sensed`` what may be believed of ``sensed``. ODD_READING if not all of it.
+    """Copy into ``planner.sensed`` what is believed of ``sensed``; set ODD_READING if some readings are not.
 
-    Until the joints are known, what was read of them last are the goals: of a limp robot, that are not driven.
+    Until the joints are first known the goals follow their readings: the robot is limp then, and no joint is driven.
     """
     valid = sensed.valid
     believed = planner.sensed
@@ -48,7 +48,7 @@ def note_odd(planner: PlannerState, odd: int) -> int:
 
 @hot
 def meet(planner: PlannerState, read: Ints) -> None:
-    """Take the joints as they were read as the goals."""
+    """Set the goals to the joints as read."""
     for joint in range(JOINTS):
         planner.goal[joint] = read[joint]
         planner.joints[joint] = read[joint]
@@ -56,9 +56,9 @@ def meet(planner: PlannerState, read: Ints) -> None:
 
 @hot
 def feel_legs(planner: PlannerState) -> None:
-    """Take what the legs of a robot tell that stands or walks.
+    """Update what the legs feel while the robot stands or walks; forget it in all other states.
 
-    Where the tilt is not known it is taken as none. What is not measured tells nothing.
+    An unknown tilt counts as level. Without measured joints nothing is felt.
     """
     if planner.status.state != STANDING and planner.status.state != WALKING:
         if planner.sensing.known:
@@ -76,9 +76,9 @@ def feel_legs(planner: PlannerState) -> None:
 
 @hot
 def follow_way(planner: PlannerState) -> int:
-    """Follow the body's way over the feet that stand, as planned in this tick; return 1, 0 where they tell nothing.
+    """Update the odometry with the feet planned to stand in this tick; return 1, or 0 if the legs feel nothing.
 
-    In the hand they tell no way, only what they carry.
+    While the robot is lifted its feet show no motion of the body, only the load that they carry.
     """
     status = planner.status
     if planner.sensing.known == 0 or planner.sensed.valid.joints == 0:

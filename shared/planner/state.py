@@ -1,4 +1,4 @@
-"""All that the planner of one robot remembers, made beforehand: a tick allocates nothing."""
+"""All that the planner of one robot remembers, allocated beforehand: a tick allocates nothing."""
 
 from ..body.axes import Pose, Twist
 from ..body.balance import Balance, balance_setup
@@ -24,14 +24,14 @@ from .status import Status
 class PlannerState:
     """The blocks that the planner's parts read and write. ValueError if a gait can't fit the robot.
 
-    more: entries of gaits as in GAITS, which they follow.
+    more: further gaits, as entries like those of GAITS, which come first.
     """
 
     def __init__(self, params: Params, more: tuple = ()):
         self.params = params
         self.gaits = [gait_for(entry, params) for entry in GAITS + more]
         self.gait = self.gaits[0]
-        self.top_speed = Twist()  # the fastest command
+        self.top_speed = Twist()  # limits of the commanded speed
         self.status = Status()
         self.clock = Clock()
         self.speed = Twist()
@@ -44,21 +44,21 @@ class PlannerState:
         self.measured_feet = MeasuredFeet()
         self.odometry = Odometry()
         self.trot = Trot(self.measured_feet, self.odometry)
-        self.feet = Feet()  # lu in the body, of a gait's table
-        self.reached = self.trot.hip_feet  # lu from the hips: of a table too
+        self.feet = Feet()  # lu in the body: the feet of a table gait
+        self.reached = self.trot.hip_feet  # lu from the hips, for table gaits too
         self.leg_flags = self.trot.flags
         self.hip_feet = Feet()
-        self.margin_feet = Feet()  # lu in the body, of which the margin is told
+        self.margin_feet = Feet()  # lu in the body: the feet from which the margin is found
         self.weights = zeros(LEGS)  # 1: the foot stands
-        self.goal = zeros(JOINTS)  # what is wanted of the joints; they go there as fast as they can
+        self.goal = zeros(JOINTS)  # brad, wanted; ``joints`` follow as fast as the motors can
         self.joints = zeros(JOINTS)
-        self.sensed = Sensed()  # what is believed of what is sensed
+        self.sensed = Sensed()  # the believed part of what is sensed
         self.joints_past = Past()
         self.tilt_past = Past()
         self.sensing = Sensing()
         self.crawl = Crawl(params)
         self.fade = Fade()
         self.retreat = Retreat()
-        self.backing_command = Command()  # what the trot is told while it backs off
+        self.backing_command = Command()  # the trot's command while it backs off
         self.status.gaits = len(self.gaits)
         balance_setup(params, self.balance)

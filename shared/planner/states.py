@@ -3,8 +3,9 @@
     limp -> rising -> standing -> walking -> standing -> sitting -> seated -> rising
     limp -> folding -> seated
 
-A move between stand and seat goes from the joints' present goals to the next stance, all legs at once. One that lies on
-its belly, the legs anywhere, folds them at its sides, where they lift nothing, and then puts its feet under it.
+A move between stand and seat goes from the joints' present goals to the next posture, all legs at once. A robot that
+lies on its belly, its legs anywhere, first folds them at its sides, where they lift nothing, then puts its feet under
+it.
 """
 
 from ..body.axes import POSE_AXES
@@ -39,7 +40,7 @@ from .status import (
 
 @hot
 def choose_state(planner: PlannerState, command: Command, sensed: Sensed) -> None:
-    """Go where the commanded mode leads from the present state."""
+    """Go from the present state towards the commanded mode."""
     status = planner.status
     mode = command.mode
     if mode < MODE_LIMP or mode > MODE_FOLD:
@@ -66,9 +67,9 @@ def choose_state(planner: PlannerState, command: Command, sensed: Sensed) -> Non
 
 @hot
 def watch_tilt(planner: PlannerState, sensed: Sensed, mode: int) -> int:
-    """Return 1 if the robot has fallen: tilted beyond its limit for so long, and not told to sit or to be limp since.
+    """Return 1 if the robot has fallen: tilted too far for too long, and not commanded to sit or to be limp since.
 
-    Roll and pitch are looked at while it stands or walks and the attitude is known.
+    The tilt is watched while the robot stands or walks and its attitude is known.
     """
     status = planner.status
     if mode == MODE_LIMP or mode == MODE_SIT:
@@ -92,8 +93,8 @@ def watch_tilt(planner: PlannerState, sensed: Sensed, mode: int) -> int:
 def begin_move(planner: PlannerState, sensed: Sensed, state: int) -> None:
     """Start RISING to the rest stance, SITTING down or FOLDING the legs, from the last goals.
 
-    Those of a limp robot are where its joints are. While that is not known, or they are still on their way there,
-    it stays limp (NO_JOINTS): its pose is anybody's guess.
+    A limp robot's goals follow its joints. While these are unknown, or the goals have not caught up with them, it stays
+    limp (NO_JOINTS), because its pose is unknown.
     """
     status = planner.status
     known = 0
@@ -115,7 +116,7 @@ def begin_move(planner: PlannerState, sensed: Sensed, state: int) -> None:
 
 @hot
 def end_move(planner: PlannerState) -> None:
-    """A move is done: go to the state that follows. Legs folded at the sides go under the robot first."""
+    """Go to the state that follows the finished move. Legs folded at the sides are put under the robot first."""
     status = planner.status
     if status.state != FOLDING:
         status.state += 1
@@ -130,7 +131,7 @@ def end_move(planner: PlannerState) -> None:
 
 @hot
 def lie_folded(planner: PlannerState) -> None:
-    """Want all legs folded at the sides."""
+    """Set the goals to all legs folded at the sides."""
     for leg in range(LEGS):
         lies = planner.params.legs[leg].lies
         planner.goal[leg * 3] = lies.hip
@@ -172,7 +173,7 @@ def fold_legs(planner: PlannerState) -> None:
 
 @hot
 def follow_joints(planner: PlannerState, sensed: Sensed) -> None:
-    """Limp: the goals are where the joints are, and nothing holds them."""
+    """Limp: set the goals to the joints as measured; nothing holds them."""
     planner.status.flags |= NOT_DRIVEN
     if sensed.valid.joints:
         for joint in range(JOINTS):

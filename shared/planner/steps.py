@@ -1,4 +1,4 @@
-"""Steps by a gait's table, as the movers that have one make them: stand or set off, move the feet, exchange gaits.
+"""How movers follow the command, change gaits, and walk by a gait's table.
 
     command -> slewed speed and pose -> stand or walk -> feet -> the gait of the next cycle
 """
@@ -15,9 +15,9 @@ from .status import BAD_COMMAND, POSE_HELD, STANDING, WALKING
 
 @hot
 def follow_command(planner: PlannerState, command: Command, halves: int) -> int:
-    """Move speed and pose one tick towards the command; return 1 if the speed is 0.
+    """Slew speed and pose for one tick towards the command; return 1 if the speed is 0.
 
-    halves: 1 or 2 for half or all of the commanded speed.
+    halves: 0, 1 or 2 for none, half or all of the commanded speed.
     """
     status = planner.status
     if command.mode != MODE_WALK or status.fallen:
@@ -33,7 +33,7 @@ def follow_command(planner: PlannerState, command: Command, halves: int) -> int:
 
 @hot
 def stands(planner: PlannerState, still: int) -> int:
-    """Return 1 if the robot stands in this tick, its feet where they are; 0 if it walks, maybe from now on.
+    """Return 1 if the robot stands in this tick, its feet where they are; 0 if it walks, perhaps from now on.
 
     still: 1 if the speed is 0.
     """
@@ -50,10 +50,10 @@ def stands(planner: PlannerState, still: int) -> int:
 
 @hot
 def hold_back(planner: PlannerState, command: Command) -> int:
-    """Take the body's pose a step back where a standing leg is beyond its reach; return 1 if it is held there.
+    """Move the body's pose one step back if a stance leg is beyond its reach; return 1 while the pose is held back.
 
-    It is held until another pose is commanded than the one that led there, and the legs are within reach again
-    (POSE_HELD). A leg in the air only cuts its own swing short.
+    It is held until a pose other than the one that led there is commanded, and the legs are within reach again
+    (POSE_HELD). A leg in the air only has its swing cut short.
     """
     status = planner.status
     posed = 0
@@ -78,7 +78,7 @@ def hold_back(planner: PlannerState, command: Command) -> int:
 
 @hot
 def lift_height(planner: PlannerState, height_lu: int) -> int:
-    """Return how high a swing lifts, lu: as commanded (0 or less: the gait's own), within reach."""
+    """Return the swing height, lu, within reach: as commanded, or the gait's own if that is 0 or less."""
     if height_lu <= 0:
         height_lu = planner.status.height
     return saturate(height_lu, 0, -planner.params.sit_z)
@@ -86,7 +86,7 @@ def lift_height(planner: PlannerState, height_lu: int) -> int:
 
 @hot
 def step_feet(planner: PlannerState, height_lu: int) -> None:
-    """Move and place all feet for one tick of the gait's clock. height: lu."""
+    """Move and place all feet for one tick of the gait's clock."""
     status = planner.status
     move_feet(planner.steps, planner.speed, body_advance(planner.gait, planner.clock))
     status.swinging = place_feet(planner.params, planner.gait, planner.steps, planner.speed, height_lu, planner.feet)
@@ -94,7 +94,7 @@ def step_feet(planner: PlannerState, height_lu: int) -> None:
 
 @hot
 def next_cycle(planner: PlannerState, wanted: int, fits: int, still: int) -> None:
-    """Move the clock on; at a cycle's end it stands if ``still``, or takes up the wanted gait if it fits."""
+    """Advance the clock; at the end of a cycle stand if ``still``, or change to the ``wanted`` gait if it ``fits``."""
     status = planner.status
     if gait_clock(planner.gait, planner.clock) == 0:
         return
@@ -109,7 +109,7 @@ def next_cycle(planner: PlannerState, wanted: int, fits: int, still: int) -> Non
 
 @hot
 def limit_to_both(planner: PlannerState, wanted: int) -> None:
-    """Take as the fastest command what the present gait and the ``wanted`` one both allow."""
+    """Limit the commanded speed to what both the current gait and ``wanted`` allow."""
     gait = planner.gait
     other = planner.gaits[wanted]
     top = planner.top_speed
@@ -126,7 +126,7 @@ def limit_to_both(planner: PlannerState, wanted: int) -> None:
 
 @hot
 def within_speed(planner: PlannerState, wanted: int) -> int:
-    """Return 1 if the present speed is within that of the ``wanted`` gait: a faster walk would step too far in it."""
+    """Return 1 if the ``wanted`` gait allows the current speed: at a higher one its steps would be too long."""
     speed = planner.speed
     other = planner.gaits[wanted]
     for axis in range(TWIST_AXES):
@@ -137,7 +137,7 @@ def within_speed(planner: PlannerState, wanted: int) -> int:
 
 @hot
 def wanted_gait(planner: PlannerState, command: Command) -> int:
-    """Return the index of the commanded gait, or of the present one if there is no such gait."""
+    """Return the index of the commanded gait, or of the current one if there is no such gait."""
     status = planner.status
     gait = command.gait
     if gait < 0 or gait >= status.gaits:

@@ -1,4 +1,4 @@
-"""The table mover: stands and walks by a gait's table alone, blind to what it is on.
+"""The table mover: stands and walks by a gait's table alone, blind to the ground.
 
     command -> slewed speed -> gait clock -> feet -> body and legs
 """
@@ -23,10 +23,10 @@ from .steps import (
 
 @hot
 def walk_table(planner: PlannerState, command: Command, sensed: Sensed) -> None:
-    """One tick of standing or walking by a gait's table.
+    """Do one tick of standing or walking by a gait's table.
 
-    The first cycle is walked at half speed: all feet start at rest, in the middle of their way, and the last to
-    swing would else be left a whole stride behind.
+    The first cycle is walked at half speed: all feet start at rest, in the middle of their travel, and the last one to
+    swing would otherwise be left a whole stride behind.
     """
     wanted = wanted_gait(planner, command)
     limit_to_both(planner, wanted)

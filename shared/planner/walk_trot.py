@@ -1,4 +1,4 @@
-"""The trot's mover: command and senses go to the trot (shared/trot), its goals and feet to the planner."""
+"""The trot's mover: hands command and senses to the trot (shared/trot), its goals and feet to the planner."""
 
 from ..body.axes import POSE_AXES
 from ..body.legs import legs_forward
@@ -20,7 +20,7 @@ from .steps import follow_command, limit_to_both, use_gait, wanted_gait
 
 @hot
 def start_trot(planner: PlannerState) -> None:
-    """Begin where the goals sent last have the feet."""
+    """Begin with the feet where the goals sent last put them."""
     trot_reset(planner.params, planner.trot)
     legs_forward(planner.params, planner.joints, planner.trot.work.waves, planner.trot.feet)
     for leg in range(LEGS):
@@ -35,9 +35,9 @@ def start_trot(planner: PlannerState) -> None:
 
 @hot
 def walk_trot(planner: PlannerState, command: Command, sensed: Sensed) -> None:
-    """One tick of standing or walking by the trot.
+    """Do one tick of standing or walking by the trot.
 
-    Without measured joints, tilt or rates it goes on by what it is told (BLIND).
+    Without measured joints, tilt or rates it follows the command without feedback (BLIND).
     """
     status = planner.status
     wish = planner.trot.wish
@@ -66,9 +66,9 @@ def walk_trot(planner: PlannerState, command: Command, sensed: Sensed) -> None:
 
 @hot
 def follow_trot(planner: PlannerState, command: Command) -> int:
-    """Move speed and pose one tick towards the command, slower while swings are high; return 1 if the speed is 0.
+    """Slew speed and pose towards the command, limited while swings are high; return 1 if the speed is 0.
 
-    What another mover is to walk it does not: it comes to a stand.
+    If another mover is to walk, the trot comes to a stand.
     """
     wanted = wanted_gait(planner, command)
     limit_to_both(planner, wanted)
@@ -87,7 +87,7 @@ def follow_trot(planner: PlannerState, command: Command) -> int:
 
 @hot
 def stop_trot(planner: PlannerState) -> None:
-    """End the trot, which stands: another goes on from its goals."""
+    """End the trot, which stands; another mover goes on from its goals."""
     planner.speed.vx = 0
     planner.speed.vy = 0
     planner.speed.wz = 0
