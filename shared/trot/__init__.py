@@ -1,1 +1,1 @@
-"""The trot: diagonals in turn without a pause, footholds where the measured speed wants them."""
+"""The trot: diagonals swing in turn without a pause, to footholds that follow from the measured speed."""

@@ -1,8 +1,8 @@
-"""Which legs swing: diagonals half a cycle apart, each on the ground for a bit more than half of it.
+"""Which legs swing: diagonals half a cycle apart, each in stance for a bit more than half of the cycle.
 
-One that is pushed steps sooner: a body that tips falls the faster the longer it falls, and while it waits for the feet
-in the air to come down in their usual time they strike the ground, and it goes over them. So swings go on faster, and
-feet that have just begun to swing come down again at once; not with high swings, which an edge needs.
+A robot that is pushed steps sooner. A tipping body falls faster and faster; if it waited for the usual touchdown, the
+feet in the air would strike the ground and the body go over them. So swings go on faster, and feet that have just begun
+to swing come down again at once, except in high swings, which an edge needs.
 """
 
 from ..body.params import LEGS, Params
@@ -11,16 +11,17 @@ from .feet import lift_off
 from .react import count_held_up, land, react
 from .state import CYCLE_Q20, Trot
 
-_DIAGONALS = const(0x06)  # bits of the legs half a cycle on: FL, RR
-_MIDDLE = const(16383)  # of a swing, Q15
+_DIAGONALS = const(0x06)  # bits of the legs that are half a cycle on: FL, RR
+_MIDDLE = const(16383)  # middle of a swing, Q15
 _STILL_MAX = const(0x200000)
 
 
 @hot
 def go_on(params: Params, walk: Trot, still: int) -> None:
-    """Go on in the cycle by one tick: who stands, who swings, who met something.
+    """Advance the cycle by one tick: which legs stand, which swing, which met something.
 
-    ``still`` 1: the command is to stand. One that is not to move stands, in the middle between two swings.
+    ``still`` 1: the command is to stand. While ``wish.moving`` is 0 all legs stand, the phase midway between two
+    swings.
     """
     state = walk.state
     setup = params.trot
@@ -65,7 +66,7 @@ def go_on(params: Params, walk: Trot, still: int) -> None:
 
 @hot
 def move_phase(params: Params, walk: Trot, still: int) -> None:
-    """Move the cycle on by one tick, and count for how long the command has been to stand (``still`` 1)."""
+    """Advance the phase by one tick, and count for how long the command has been to stand (``still`` 1)."""
     state = walk.state
     step = params.trot.phase_step_q20
     if state.pushed and state.swinging:
@@ -79,10 +80,10 @@ def move_phase(params: Params, walk: Trot, still: int) -> None:
 
 @hot
 def hurried_step(params: Params, walk: Trot) -> int:
-    """Return how far one that is pushed goes on in the cycle in a tick of a swing, Q20.
+    """Return by how much the phase advances in a tick of a swing while the robot is pushed, Q20.
 
-    In the first one it goes from before the middle of the swing to as long after it: there the feet are as high, and on
-    their way down. Error at most 48. Intermediates: 2^15 * 2^14.
+    In the first tick of a push, the phase jumps from before the middle of a swing to as long after it: there the feet
+    are as high, and on their way down. Error at most 48. Intermediates: 2^15 * 2^14.
     """
     setup = params.trot
     share = walk.state.swing_q15
@@ -93,7 +94,7 @@ def hurried_step(params: Params, walk: Trot) -> int:
 
 @hot
 def stand_all(walk: Trot) -> None:
-    """All legs stand."""
+    """Put all legs into stance."""
     for leg in range(LEGS):
         walk.stance[leg] = 1
         walk.early_contact[leg] = 0

@@ -1,7 +1,7 @@
 """What the measured feet tell the trot: the body's speed over them, and how far each is from where it was sent.
 
-A foot that stands does not move, so the body moves against it: against the motion of the foot in the body stands its
-turn with the body's rates, and what is left is the body's speed over that foot, tipping included.
+A stance foot at p in the body does not move over the ground, so the body's speed over it is -(dp/dt + w x p), with w
+the body's turning rates. Tipping is included.
 """
 
 from ..body.axes import Turn
@@ -19,7 +19,7 @@ _GAP_MAX = const(131071)  # lu Q4
 def feel(params: Params, walk: Trot, turned: Turn, valid: int) -> None:
     """Take the measured feet and the turn of this tick.
 
-    ``valid`` 0: something is missing; nothing is known then, and the speed is taken to be what was commanded.
+    ``valid`` 0: not all was measured. Nothing is known then, and the commanded speed is taken for the measured one.
     """
     state = walk.state
     if valid == 0:
@@ -39,11 +39,10 @@ def feel(params: Params, walk: Trot, turned: Turn, valid: int) -> None:
 
 @hot
 def see_speed(params: Params, walk: Trot, turned: Turn) -> None:
-    """Follow the mean speed of the body over the feet that surely stand.
+    """Update the filtered mean speed of the body over the feet that certainly stand.
 
-    Those stand by plan, and did a tick before the goals that the joints answer: a landing tells no speed.
-
-    Intermediates: 2 * 16383 * 32767 < 2^30; a speed's error of 2^19 times 2^9.
+    These stood by plan in the last tick, and also a tick before the goals that the joints now answer: a foot that has
+    just touched down tells no speed. Intermediates: 2 * 16383 * 32767 < 2^30; a speed's error of 2^19 times 2^9.
     """
     state = walk.state
     about_x = saturate(turned.x, -_TURN_MAX, _TURN_MAX)
@@ -73,7 +72,7 @@ def see_speed(params: Params, walk: Trot, turned: Turn) -> None:
 
 @hot
 def free_feet(params: Params, walk: Trot) -> None:
-    """Begin the residuals: every foot is where it was sent."""
+    """Begin the residuals: take each unhindered foot to be where it was sent."""
     sent = (walk.state.ring_at - params.sent_ticks & 15) * LEGS
     for leg in range(LEGS):
         walk.free_x_q4[leg] = walk.past_x[sent + leg] << 4
@@ -82,10 +81,10 @@ def free_feet(params: Params, walk: Trot) -> None:
 
 @hot
 def see_residual(params: Params, walk: Trot) -> None:
-    """Write how far each foot is, along x and z, from where an unhindered one would be.
+    """Write how far each foot is, along x and z, from where an unhindered foot would be.
 
-    That is its reference, as old as the bus is slow, behind what is not led of the drives' lag. Error of a step:
-    1/16 lu. Intermediates: 2^17 * 2^12.
+    An unhindered foot is where the goals that the joints now answer sent it, less the drives' lag for which the goals
+    do not compensate. Error of a step: 1/16 lu. Intermediates: 2^17 * 2^12.
     """
     share_q12 = params.trot.free_lag_q12
     sent = (walk.state.ring_at - params.sent_ticks & 15) * LEGS

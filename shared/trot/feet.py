@@ -1,7 +1,7 @@
-"""Where the planned feet go in a tick: standing ones with the ground, those in the air to their footholds.
+"""Where the planned feet go in a tick: stance feet with the ground, swing feet to their footholds.
 
-The body does not follow a pose over its feet: standing feet go back at the speed wanted of the body, turn against its
-turn, and sink as it rises. What went wrong in a stance is gone with the next swing.
+The body does not track a pose over its feet: stance feet go back at the body's wanted speed, turn against its turn, and
+sink as it rises. An error made in a stance is gone with the next swing.
 """
 
 from ..body.axes import Pose
@@ -15,15 +15,15 @@ _PER_TURN_Q15 = const(5215)  # 1 / (2 pi)
 _FAR = const(32767)
 _WIDE = const(65535)
 _HALF_Q15 = const(16384)
-_PUSHED_Q10 = const(123)  # 0.12 of the leg: how far below itself a standing foot is sent at most
+_PUSHED_Q10 = const(123)  # 0.12 of the leg: how far below its measured position a stance foot is sent at most
 
 
 @hot
 def stand_feet(params: Params, walk: Trot) -> None:
-    """Move the feet that stand by one tick.
+    """Move the stance feet by one tick.
 
-    They stay within half a leg of rest along the ground and a quarter in height: a robot that is held tilted winds
-    nothing up. Intermediates: 2 * 16383 * 32767 < 2^30.
+    They stay within half a leg of rest along the ground and a quarter in height, so that nothing winds up while
+    somebody holds the robot tilted. Intermediates: 2 * 16383 * 32767 < 2^30.
     """
     state = walk.state
     half = params.leg_length << LF_BITS - 1
@@ -54,10 +54,10 @@ def stand_feet(params: Params, walk: Trot) -> None:
 
 @hot
 def spare(params: Params, walk: Trot, leg: int) -> int:
-    """Return by how much a foot that stands is sent less far down in this tick, lf.
+    """Return by how much the goal of a stance foot is raised in this tick, lf.
 
-    A leg that can't lift its corner of the body gives all its force, whichever way that points, and throws the body
-    ahead. What is beyond 0.12 of the leg is taken back in an eighth of a cycle. Intermediates: 2^15 * 2^13.
+    A leg that can't lift its corner of the body pushes with all its force, whichever way that points, and throws the
+    body ahead. What exceeds 0.12 of the leg is taken back in an eighth of a cycle. Intermediates: 2^15 * 2^13.
     """
     if walk.state.known <= params.sent_ticks:
         return 0
@@ -67,7 +67,7 @@ def spare(params: Params, walk: Trot, leg: int) -> int:
 
 @hot
 def lift_off(walk: Trot, leg: int) -> None:
-    """Begin the swing of ``leg``: keep where it starts, turned level with the tilt to come."""
+    """Begin the swing of ``leg``: store where it starts, turned into level axes by the tilt to come."""
     state = walk.state
     foot = walk.feet.legs[leg]
     start = walk.lift_offs.legs[leg]
@@ -84,7 +84,7 @@ def lift_off(walk: Trot, leg: int) -> None:
 
 @hot
 def cycloid_way_q15(share_q15: int) -> int:
-    """Return the share of its way that a foot on a cycloid has made after a share of its time, both 0 .. 32767.
+    """Return the share of its way that a foot on a cycloid has covered after a share of its time, both 0 .. 32767.
 
     u - sin(2 pi u) / (2 pi): no speed at either end. Error at most 2 LSB.
     """
@@ -93,11 +93,11 @@ def cycloid_way_q15(share_q15: int) -> int:
 
 @hot
 def swing_feet(params: Params, walk: Trot, pose: Pose) -> None:
-    """Move the feet in the air by one tick along their swings.
+    """Move the swing feet by one tick.
 
-    Along the ground a foot ends at rest over it, ahead of its coming down; up it is a cosine. Footholds: rest, on by
-    the way for which the pendulum of the body's height goes on evenly, and further by what the speed is wrong.
-    All in level axes, then turned into the body with the tilt to come. Intermediates: 32767 * 32767 + 2^14.
+    Along the ground a foot comes to rest before it touches down; its height is a cosine. Foothold: rest, plus the way
+    for which the linear pendulum goes on at an even speed, plus the capture step for the error of the speed. All in
+    level axes, then turned into the body by the tilt to come. Intermediates: 32767 * 32767 + 2^14.
     """
     setup = params.trot
     share = walk.state.swing_q15
@@ -120,10 +120,10 @@ def swing_feet(params: Params, walk: Trot, pose: Pose) -> None:
 
 @hot
 def free_way_q15(params: Params, share_q15: int) -> int:
-    """Return the share of its way that a foot which was held up has made after a share of its swing, both 0 .. 32767.
+    """Return the share of its way that a held-up foot has covered after a share of its next swing, both 0 .. 32767.
 
-    It rises before it goes ahead. Pressed against a riser it would be held down by its friction, and pull the body
-    down on that corner instead of rising. Intermediates: 2^15 * 2^14.
+    The foot rises before it goes ahead. Pressed against a riser it would be held down by friction, and would pull its
+    corner of the body down instead of rising. Intermediates: 2^15 * 2^14.
     """
     setup = params.trot
     return cycloid_way_q15(saturate((share_q15 - setup.free_from_q15) * setup.free_rate_q13 >> 13, 0, 32767))
@@ -131,7 +131,7 @@ def free_way_q15(params: Params, share_q15: int) -> int:
 
 @hot
 def draw_back(params: Params, walk: Trot, leg: int, share_q15: int) -> None:
-    """Draw a foot that was held up back from what held it, in the first half of its swing. Part of swing_feet."""
+    """Pull a foot that was held up back from the obstacle, in the first half of its swing. Part of swing_feet."""
     if share_q15 >= _HALF_Q15:
         return
     back = mul_q15(params.trot.draw_back, 32767 - cos_q15(share_q15 << 2) >> 1)
@@ -142,7 +142,7 @@ def draw_back(params: Params, walk: Trot, leg: int, share_q15: int) -> None:
 
 @hot
 def swing_foot(params: Params, walk: Trot, leg: int, pose: Pose, share_q15: int, way_q15: int) -> None:
-    """Write x and y of a foot in the air, level, lf, into ``feet``. Part of swing_feet.
+    """Write x and y of a swing foot, lf in level axes, into ``feet``. Part of swing_feet.
 
     Intermediates: 2^13 * 2^15 of a speed and a time.
     """
@@ -168,9 +168,9 @@ def swing_foot(params: Params, walk: Trot, leg: int, pose: Pose, share_q15: int,
 
 @hot
 def settle_foot(walk: Trot, leg: int, lifted: int, low: int, down_q15: int) -> None:
-    """Write the height of a foot in the air and turn it into the body. Part of swing_feet.
+    """Write the height of a swing foot and turn the foot into body axes. Part of swing_feet.
 
-    lifted: lu above the straight way from the start to ``low``. Limited to 32767 lu in height, 65535 along the ground.
+    lifted: lu above the straight line from the start to ``low``. Limited to 32767 lu in height, 65535 along the ground.
     Intermediates: 65535 * 8191.
     """
     state = walk.state

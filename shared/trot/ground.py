@@ -1,6 +1,6 @@
-"""How the ground lies under the feet that stand: its slope, which the next feet come down on.
+"""The slope of the ground under the stance feet, on which the next feet are to touch down.
 
-Single footholds are not remembered, their plane is: a foot that meets an edge tips the trunk, and a memory would keep
+Only their plane is remembered, not single footholds: a foot that meets an edge tips the trunk, and a memory would keep
 the tip; a slope lasts.
 """
 
@@ -9,8 +9,8 @@ from ..num.fixed import saturate
 from ..runtime import const, hot
 from .state import Trot
 
-_MOST_Q20 = const(314573)  # 0.3, 17 deg
-_STEEP_Q20 = const(104858)  # 0.1: half of what stairs of 0.17 of the leg rise
+_MOST_Q20 = const(314573)  # steepest slope: 0.3, 17 deg
+_STEEP_Q20 = const(104858)  # 0.1: half the slope of stairs with steps of 0.17 of the leg
 _STEP_Q14 = const(8191)
 _UNEVEN_Q10 = const(98)  # 0.006 of the leg, in lu Q4; 0.002 on a slope of 10 deg, 0.009 to 0.04 on stairs (measured)
 _FAR = const(32767)
@@ -18,7 +18,7 @@ _FAR = const(32767)
 
 @hot
 def feel_slope(params: Params, walk: Trot) -> None:
-    """Follow the slope of the measured feet that stand, in level axes."""
+    """Update the slope from the measured stance feet, in level axes."""
     middle_x = 0
     middle_y = 0
     middle_z = 0
@@ -39,10 +39,10 @@ def feel_slope(params: Params, walk: Trot) -> None:
 
 @hot
 def follow_feet(params: Params, walk: Trot, count: int, middle_x: int, middle_y: int, middle_z: int) -> None:
-    """Follow the slope of the ``count`` feet that stand about their middle, lu in level axes. Part of feel_slope.
+    """Update the slope from the ``count`` stance feet about their middle, lu in level axes. Part of feel_slope.
 
-    Each diagonal tells a mixture of both slopes, the other one another: together both. The step of normalized least
-    mean squares. Intermediates: 4 * 32767 * 1023, 8 * 1023^2, 2^13 * 2^15.
+    Each diagonal shows a mixture of both slopes, the other one a different mixture: together they show both. This is
+    the step of normalized least mean squares. Intermediates: 4 * 32767 * 1023, 8 * 1023^2, 2^13 * 2^15.
     """
     along_x = 0
     along_y = 0
@@ -72,7 +72,7 @@ def follow_feet(params: Params, walk: Trot, count: int, middle_x: int, middle_y:
 
 @hot
 def follow_slope(params: Params, walk: Trot, axis: int, off_q14: int) -> None:
-    """Move one slope, within 0.3, by its share of what it is off, any 30 bits."""
+    """Correct one slope, within +-0.3, by a share of its error ``off_q14``, any 30 bits."""
     state = walk.state
     step = saturate(off_q14, -_STEP_Q14, _STEP_Q14) * params.trot.slope_q15 >> 9
     state.slope_q20[axis] = saturate(state.slope_q20[axis] + step, -_MOST_Q20, _MOST_Q20)
@@ -80,7 +80,7 @@ def follow_slope(params: Params, walk: Trot, axis: int, off_q14: int) -> None:
 
 @hot
 def follow_uneven(params: Params, walk: Trot, off: int) -> None:
-    """Even out how far the feet are off their plane: ``off`` in lu, 0 or more. Intermediates: 2^16 * 2^13."""
+    """Average how far the feet are off their plane: ``off`` in lu, 0 or more. Intermediates: 2^16 * 2^13."""
     state = walk.state
     off = saturate(off, 0, params.leg_length >> 4) << 4
     state.uneven_q4 += (off - state.uneven_q4) * params.trot.slope_q15 >> 17
@@ -88,7 +88,7 @@ def follow_uneven(params: Params, walk: Trot, off: int) -> None:
 
 @hot
 def rise_q20(walk: Trot) -> int:
-    """Return how much the ground rises per way along the way that the robot is told to go, Q20 within 0.3."""
+    """Return the slope of the ground in the commanded direction, forwards or backwards, Q20 within +-0.3."""
     if walk.state.foot_speed.x < 0:
         return -walk.state.slope_q20.x
     return walk.state.slope_q20.x
@@ -96,9 +96,9 @@ def rise_q20(walk: Trot) -> int:
 
 @hot
 def climbs(params: Params, walk: Trot) -> int:
-    """Return 1 where the ground rises along the way as stairs do, or an edge with the hind feet still below; else 0.
+    """Return 1 if the ground rises ahead like stairs, or like an edge with the hind feet still below it; else 0.
 
-    Of late the feet stood off their plane: on a slope they stand in it.
+    There the feet have lately stood off their plane; on a slope they stand in it.
     """
     if rise_q20(walk) > _STEEP_Q20 and walk.state.uneven_q4 > params.leg_length * _UNEVEN_Q10 >> 10:
         return 1
@@ -115,5 +115,5 @@ def level_z(walk: Trot, leg: int) -> int:
 
 @hot
 def ground_z(walk: Trot, x: int, y: int) -> int:
-    """Return how much higher than below the body the ground is expected at a place, lu; x, y within +-65535."""
+    """Return how much higher the ground is expected at (x, y) than below the body, lu; x, y within +-65535."""
     return (x * (walk.state.slope_q20.x >> 6) >> 14) + (y * (walk.state.slope_q20.y >> 6) >> 14)

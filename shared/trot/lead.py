@@ -1,4 +1,4 @@
-"""From planned feet to goals: what the joints give under load is added before, and what drives lag behind."""
+"""From planned feet to goals: compensates in advance for sag under load, for friction and for the drives' lag."""
 
 from ..body.compliance import sag_leg
 from ..body.legs import legs_inverse
@@ -9,14 +9,14 @@ from .react import EARLY, EARLY_NOW
 from .state import Trot
 
 _ONE_Q12 = const(4096)
-_CALM = const(3)  # standing, an eighth of the step
+_CALM = const(3)  # bits: while the robot stands, an eighth of the step
 
 
 @hot
 def share_load(params: Params, walk: Trot) -> None:
-    """Move what each foot is expected to carry towards an even share of those that stand.
+    """Move the load that each foot is expected to carry towards an even share among the stance feet.
 
-    Slowly while it is not to move: who has just stood up does not jerk.
+    Slowly while the robot is not to move, so that it does not jerk when it has just stood up.
     """
     step = params.trot.load_step_q12
     if walk.wish.moving == 0:
@@ -36,7 +36,7 @@ def share_load(params: Params, walk: Trot) -> None:
 
 @hot
 def solve(params: Params, walk: Trot) -> int:
-    """Write the joints that reach the planned feet; return why some were brought into reach, or 0."""
+    """Write the joints that reach the planned feet; return why some feet were brought into reach, or 0."""
     for joint in range(JOINTS):
         walk.joints_before[joint] = walk.joints[joint]
     for leg in range(LEGS):
@@ -51,10 +51,10 @@ def solve(params: Params, walk: Trot) -> int:
 
 @hot
 def lead(params: Params, walk: Trot, goal: Ints) -> None:
-    """Write 12 goals, brad: the joints, what they give under their load, and where they will be a lag later.
+    """Write 12 goals, brad: the joints, plus their sag under load, plus their motion during the drives' lag.
 
-    Of a foot in the air half of the lag is led: all of it shakes a robot of soft joints. Friction is led where feet
-    carry what they are expected to: not once something was met. Intermediates: 2^15 * 2^14.
+    For a swing foot only half of the lag is compensated: all of it shakes a robot with soft joints. Friction is
+    compensated while feet carry the expected load: not after something was met. Intermediates: 2^15 * 2^14.
     """
     lag = params.trot.lag_q8
     most = params.joint_near
@@ -84,10 +84,10 @@ def lead(params: Params, walk: Trot, goal: Ints) -> None:
 
 @hot
 def slide(params: Params, walk: Trot, leg: int, goal: Ints) -> None:
-    """Add to the goals of a leg that stands what friction holds back of its joints' motion. Part of lead.
+    """Add to the goals of a stance leg what friction holds back of its joints' motion. Part of lead.
 
-    It is dry friction and a share of the load, which ``goal`` already has: what the joints give under it. Of a slow
-    joint less is led, so that one at rest is not sent to and fro. A calf's motor on the body feels thigh + calf.
+    That is dry friction plus a share of the load, which shows as the sag that ``goal`` already includes. A slow joint
+    gets less of it, so that a joint at rest is not sent to and fro. A calf motor on the body feels thigh + calf.
     Intermediates: 2^16 * 2^14, 2^13 * 2^14, 2^15 * 2^12.
     """
     setup = params.trot

@@ -1,4 +1,4 @@
-"""What a foot may meet, ground higher than planned or something in its way, and high swings after it."""
+"""How swings react to what a foot meets: ground higher than planned, or an obstacle; high swings follow."""
 
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import saturate
@@ -6,31 +6,31 @@ from ..runtime import const, hot
 from .ground import climbs, ground_z, level_z, rise_q20
 from .state import CYCLE_Q20, Trot
 
-_MIDDLE = const(16384)  # of a swing, Q15: from here on a foot comes down
+_MIDDLE = const(16384)  # middle of a swing, Q15: from here on a foot comes down
 _RISEN = const(3277)  # 0.1 of a swing
-_FREE = const(13107)  # 0.4 of a swing: from here on both feet of a diagonal are off the ground for sure
-_QUARTER_Q12 = const(1024)  # of the own weight
-# Of the leg, Q10, from walks of Caramelo and Parallel on level ground and over steps
-_HIGH_Q10 = const(31)  # 0.03: higher than the ground can be expected, and that and a half more for what lags
-_LAGS_Q10 = const(15)  # 0.015: what a foot may lag while it rises
+_FREE = const(13107)  # 0.4 of a swing: from here on both feet of a diagonal are certainly off the ground
+_QUARTER_Q12 = const(1024)  # of own weight
+# Parts of the leg, Q10, from walks of Caramelo and Parallel on level ground and over steps
+_HIGH_Q10 = const(31)  # 0.03: too high by this, and by 1.5 times its excess lag, a foot that comes down has met ground
+_LAGS_Q10 = const(15)  # 0.015: lag of a rising foot that is not in excess
 _LANDED_Q10 = const(51)  # 0.05: too high at a landing; 0.01 on level ground, up to 0.13 in high swings
-_BEHIND_EARLY_Q10 = const(61)  # 0.06: behind its mate while one of them may not have come off the ground yet
-_BEHIND_Q10 = const(26)  # 0.025: behind its mate; on level ground 0.02 and 0.05 were seen
-_USUAL_Q10 = const(41)  # 0.04: farther behind is not usual, but held up: 0.01 on level ground, 0.06 in high swings
-_SMALL_Q10 = const(36)  # 0.035: less than that is none, the foot goes to where the ground was to be
-# Quarters of what a foot met by which it gives way; with two in the air, or one at a landing, fewer stairs
-# were climbed in walks of Caramelo
+_BEHIND_EARLY_Q10 = const(61)  # 0.06: a foot this far behind its mate is held up, while one may still be on the ground
+_BEHIND_Q10 = const(26)  # 0.025: the same later in the swing; on level ground 0.02 and 0.05 were seen
+_USUAL_Q10 = const(41)  # 0.04: farther behind is never usual, but held up: 0.01 on level ground, 0.06 in high swings
+_SMALL_Q10 = const(36)  # 0.035: less counts as nothing, and the foot goes to where the ground was expected
+# Quarters of the met height by which a foot gives way; with two in the air, or one at a landing, Caramelo climbed
+# fewer stairs
 _MET_QUARTERS = const(1)
 _LANDED_QUARTERS = const(2)
 _SWINGS_MAX = const(100)
-_DOWN_Q20 = const(20972)  # 0.02: steeper, and the ground goes down; before a wall it was felt to rise by 0 .. 0.04
-EARLY = const(1)  # of ``early_contact``: it has met ground higher than planned
-EARLY_NOW = const(2)  # in this tick, whose goals are not led
+_DOWN_Q20 = const(20972)  # 0.02: ground that falls more steeply goes down; before a wall it seemed to rise by 0 .. 0.04
+EARLY = const(1)  # of ``early_contact``: the foot has met ground higher than planned
+EARLY_NOW = const(2)  # it has met it in this tick, in whose goals no lag is compensated
 
 
 @hot
 def react(params: Params, walk: Trot, leg: int) -> int:
-    """Look at one foot in the air; return 1 if it stands from now on, 0 if it swings on."""
+    """Watch one swing foot; return 1 if it stands from now on, 0 if it swings on."""
     state = walk.state
     ascent_lag = walk.ascent_lag
     if state.known <= params.sent_ticks:
@@ -55,9 +55,9 @@ def react(params: Params, walk: Trot, leg: int) -> int:
 def see_held_up(params: Params, walk: Trot, leg: int) -> None:
     """Swing high from now on if the foot is further behind its way than its mate in the air.
 
-    What the drives and the bus lag, known or not, both feet of a diagonal lag alike; what a load or an unknown delay
-    leaves of it comes again in every swing, and is usual. The later the bus, the farther behind a foot may be that
-    still goes ahead: what it lags is known the later. Intermediates: 2^16 * 2^12.
+    Both feet of a diagonal lag alike behind drives and bus, whether that lag is known or not. What a load or an unknown
+    delay leaves of it recurs in every swing, and counts as usual. The later the bus, the further behind a foot may be
+    that still goes ahead, because its lag is known later. Intermediates: 2^16 * 2^12.
     """
     state = walk.state
     setup = params.trot
@@ -89,9 +89,9 @@ def see_held_up(params: Params, walk: Trot, leg: int) -> None:
 
 @hot
 def may_be_late(walk: Trot, leg: int) -> int:
-    """Return 1 if a foot in the air that is behind its mate may just be late, 0 if something holds it.
+    """Return 1 if a swing foot that is behind its mate may just be late, 0 if something holds it.
 
-    A late one goes ahead faster than the body is to; and where a late bus has not told of the swing yet, its mate does
+    A late foot goes ahead faster than the body is to; and while a late bus does not yet show the swing, its mate does
     not go ahead either.
     """
     mate = 3 - leg
@@ -109,10 +109,10 @@ def may_be_late(walk: Trot, leg: int) -> int:
 
 @hot
 def give_way(walk: Trot, leg: int) -> None:
-    """A foot that is held up is sent half as far ahead of where it is.
+    """Send a held-up foot only half as far ahead of where it is.
 
-    It pushes with half the force, gets free by rising, and still gets to its foothold: sent no further than it is, it
-    would come down short of it, and the body go on over it. Told to stop it does not push.
+    It then pushes with half the force, gets free by rising, and still reaches its foothold. Sent no further than it is,
+    it would come down short of it, and the body would go on over it. At a command to stop it does not push.
     """
     shortened = walk.shortened
     shortened[leg] = 0
@@ -126,11 +126,11 @@ def give_way(walk: Trot, leg: int) -> None:
 def count_held_up(params: Params, walk: Trot, leg: int) -> None:
     """Begin a swing of ``leg``: was its last one held up, or the body slow?
 
-    A leg's swings that were held up while swings are high are counted twice, less one for each that was not; the leg
-    with most of them tells. The measured speed alone would not: before a wall the feet that stand slip, and seem to go
-    on. Where the ground climbs it does: on stairs each riser holds a foot up, and the robot is as fast as told. What is
-    usual has a limit: before a wall to be held up would be. A foot that was held up gets free first, but not where the
-    foot beside it was held up as well, as before a wall or in the plane, nor where the ground climbs.
+    While swings are high, a leg's score grows by 2 with each held-up swing and falls by 1 with any other; the highest
+    score counts. The measured speed alone would not do: before a wall the stance feet slip, and the robot seems to get
+    on. Where the ground climbs it does: on stairs each riser holds a foot up, yet the robot is as fast as told. The
+    usual lag is limited, else being held up by a wall would become usual. A foot that was held up gets free first, but
+    not where the foot beside it was held up as well, as before a wall or in the plane, nor where the ground climbs.
     """
     state = walk.state
     held_up = walk.held_up
@@ -169,9 +169,9 @@ def count_held_up(params: Params, walk: Trot, leg: int) -> None:
 
 @hot
 def count_in_row(walk: Trot, leg: int) -> None:
-    """Count the swings in a row, of both front or both hind feet, that were held up: an edge holds up few, a wall all.
+    """Count the held-up swings in a row of both front or both hind feet: at an edge they are few, at a wall all.
 
-    Not once it goes down: after a step down, the feet of slow drives lag in high swings as if they were.
+    Not where the ground goes down: after a step down, slow drives lag in high swings as if their feet were held up.
     """
     in_row = walk.held_up_in_row
     pair = leg >> 1
@@ -185,7 +185,7 @@ def count_in_row(walk: Trot, leg: int) -> None:
 
 @hot
 def swing_apex(params: Params, walk: Trot, leg: int) -> int:
-    """Return the top of a leg's next swing, lu: the highest after one that was held up, while swings are high."""
+    """Return the apex of a leg's next swing, lu: the highest after a held-up swing, while swings are high."""
     if walk.state.high_left and walk.held_up[leg]:
         return params.trot.highest_lift
     return walk.state.lift
@@ -193,10 +193,10 @@ def swing_apex(params: Params, walk: Trot, leg: int) -> int:
 
 @hot
 def land(params: Params, walk: Trot, leg: int) -> None:
-    """Look at a foot that just stands by plan: where it climbs, did it land too high?
+    """Check a foot that has just touched down as planned: where the ground climbs, did it land too high?
 
-    It would push its corner of the body up by as much, and tip it over. Only while the joints still tell of the
-    landing, and once: later it would be a leg that sags under its load. On the level a high swing just lags by as much.
+    It would push its corner of the body up by as much, and tip it over. It is checked once, while the joints still show
+    the landing: later it would be a leg that sags under its load. On the level a high swing just lags by as much.
     """
     if walk.early_contact[leg] or walk.state.known <= params.sent_ticks:
         return
@@ -206,7 +206,7 @@ def land(params: Params, walk: Trot, leg: int) -> None:
 
 @hot
 def meet_ground(params: Params, walk: Trot, leg: int, quarters: int) -> None:
-    """The foot stands from now on, where it was measured, but gives way by so many ``quarters`` of what it met."""
+    """Let the foot stand from now on where it was measured, giving way by ``quarters`` / 4 of the height it met."""
     measured = walk.measured.legs[leg]
     foot = walk.feet.legs[leg]
     met = level_z(walk, leg) + params.trot.height - ground_z(walk, measured.x, measured.y)
@@ -224,7 +224,7 @@ def meet_ground(params: Params, walk: Trot, leg: int, quarters: int) -> None:
 
 @hot
 def lift_on(params: Params, walk: Trot) -> None:
-    """Write the top of the next swings: as wished, the robot's own, or high after something was met."""
+    """Write the apex of the next swings: the wished one, the robot's own, or high after something was met."""
     state = walk.state
     state.lift = params.trot.low_lift
     if walk.wish.height > 0:
@@ -238,9 +238,9 @@ def lift_on(params: Params, walk: Trot) -> None:
 
 @hot
 def count_high(params: Params, walk: Trot) -> None:
-    """Count down the way to go with high swings.
+    """Count down the way left to go with high swings.
 
-    Not where it climbs: on stairs the feet land where their plane has them, and meet nothing.
+    Not done where the ground climbs: on stairs the feet land where their plane expects them, and meet nothing.
     """
     state = walk.state
     setup = params.trot

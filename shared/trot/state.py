@@ -1,4 +1,4 @@
-"""All that the trot remembers, made beforehand."""
+"""All that the trot remembers, allocated beforehand."""
 
 from ..body.axes import POSE_AXES, Pose, Spot, Tilt
 from ..body.feet import Feet
@@ -10,50 +10,50 @@ from ..sense.legs import MeasuredFeet
 from ..sense.odometry import Odometry
 
 CYCLE_Q20 = const(0x100000)
-DELAY_TICKS = const(16)  # what is kept of the past; params.sent_ticks is at most 15
+DELAY_TICKS = const(16)  # how much of the past is kept; params.sent_ticks is at most 15
 
 
 @record
 class TrotState:
-    """What the trot feels and wants, but for its feet."""
+    """What the trot measures and wants, apart from its feet."""
 
-    phase_q20: int = field("Q20 of a cycle", "of the diagonal FR RL; the other is half a cycle on")
-    known: int = field("ticks", "joints, tilt and rates measured in a row, up to 100")
-    measured_speed: Spot = part(Spot, "measured speed of the feet against the body, lf / tick")
+    phase_q20: int = field("Q20 of a cycle", "phase of the diagonal FR RL; the other diagonal is half a cycle on")
+    known: int = field("ticks", "for how long joints, tilt and rates have been measured without a gap, up to 100")
+    measured_speed: Spot = part(Spot, "measured speed of the body over its stance feet, lf / tick")
     speed_integral_q8: Spot = part(Spot, "what is added to the commanded speed to reach it, lf / tick Q8")
-    heading_error_18: int = field("2^-18 rad", "turned less than commanded")
-    foot_speed: Spot = part(Spot, "commanded speed of the feet's centres, lf / tick")
-    stance_speed: Spot = part(Spot, "speed at which the standing feet go back, lf / tick")
-    turn_18: int = field("2^-18 rad / tick", "turn of the body about z")
-    roll_18: int = field("2^-18 rad / tick", "turn about x, which levels it")
-    pitch_18: int = field("2^-18 rad / tick", "turn about y")
-    rise_speed: int = field("lf / tick", "of the body")
-    pushed: int = field("", "1: from this tick on faster than told, as walking is not; 2: for longer, or at an edge")
-    capture: Spot = part(Spot, "foothold further on for a speed that is too much, lu")
-    roll_q14: int = field("rad Q14", "tilt when this tick's goals act")
-    pitch_q14: int = field("rad Q14", "the same about y")
+    heading_error_18: int = field("2^-18 rad", "how far the body turned less than commanded")
+    foot_speed: Spot = part(Spot, "commanded speed, as seen at the centres of the round feet, lf / tick")
+    stance_speed: Spot = part(Spot, "speed at which the stance feet go back, lf / tick")
+    turn_18: int = field("2^-18 rad / tick", "wanted turn of the body about z")
+    roll_18: int = field("2^-18 rad / tick", "wanted turn about x, which levels the body")
+    pitch_18: int = field("2^-18 rad / tick", "wanted turn about y")
+    rise_speed: int = field("lf / tick", "wanted speed of the body upwards")
+    pushed: int = field("", "1: since this tick faster than told, as walking never is; 2: for longer, or at an edge")
+    capture: Spot = part(Spot, "capture step: foothold further on for a speed that is too high, lu")
+    roll_q14: int = field("rad Q14", "roll when this tick's goals act")
+    pitch_q14: int = field("rad Q14", "pitch when this tick's goals act")
     tilt_q14: Tilt = part(Tilt, "as measured, rad Q14")
-    slope_q20: Spot = part(Spot, "rise of the ground per way, of late, Q20")
-    uneven_q4: int = field("lu Q4", "how far the feet stood off the ground's plane, over four times as long")
-    swing_q15: int = field("Q15", "share of the swing gone by, of the diagonal in the air")
-    lift: int = field("lu", "top of the next swings")
-    high_left: int = field("lf", "way still to go with high swings")
-    swinging: int = field("", "legs in the air, bits")
+    slope_q20: Spot = part(Spot, "slope of the ground along x and y, averaged, Q20")
+    uneven_q4: int = field("lu Q4", "how far the feet stood off the ground's plane, averaged over four times as long")
+    swing_q15: int = field("Q15", "elapsed share of the swing of the diagonal in the air")
+    lift: int = field("lu", "apex of the next swings")
+    high_left: int = field("lf", "way left to go with high swings")
+    swinging: int = field("", "legs in swing, bits")
     standing: int = field("", "how many legs stand")
-    still_q20: int = field("Q20 of a cycle", "phase gone by since the command is to stand, up to 2^21")
-    ring_at: int = field("", "where in the rings this tick goes, 0 .. 15")
+    still_q20: int = field("Q20 of a cycle", "phase passed since the command is to stand, up to 2^21")
+    ring_at: int = field("", "this tick's place in the rings, 0 .. 15")
     held_up_count: int = field("", "swings held up since the start")
     early_contacts: int = field("", "feet that met ground higher than planned since the start")
-    stuck_ticks: int = field("ticks", "for which the robot, told to walk, has not got on; 0 when it does")
+    stuck_ticks: int = field("ticks", "for how long the robot, told to walk, has not got on; 0 while it does")
 
 
 @record
 class Wish:
-    """How the trot is to walk, beside speed and pose."""
+    """How the trot is to walk, besides speed and pose."""
 
     moving: int = field("", "0: stand")
     balance: int = field("", "1: keep the body level by the measured attitude")
-    height: int = field("lu", "top of a swing on even ground; 0 or less: the robot's own")
+    height: int = field("lu", "apex of a swing on even ground; 0 or less: the robot's own")
 
 
 class Trot:
@@ -68,31 +68,31 @@ class Trot:
         self.measured = feet.now  # lu
         self.before = feet.before  # lu, the same a tick ago
         self.heights = zeros(LEGS)  # lu, of the measured feet that stand, in level axes
-        self.odometry = odometry  # how fast the body goes, as of the tick before: late, but no landing counts
+        self.odometry = odometry  # the body's speed, as of the tick before: late, but undisturbed by touchdowns
         self.free_x_q4 = zeros(LEGS)  # lu Q4: where each foot would be if nothing hindered it
         self.free_z_q4 = zeros(LEGS)
-        self.residual_x = zeros(LEGS)  # lu: measured less those
+        self.residual_x = zeros(LEGS)  # lu: measured less unhindered
         self.residual_z = zeros(LEGS)
-        self.ascent_lag = zeros(LEGS)  # lu, the largest residual downwards while the foot rose
+        self.ascent_lag = zeros(LEGS)  # lu: how far the foot stayed below the unhindered one at most while it rose
         self.stance = zeros(LEGS)  # 1: the foot stands, by plan or because it met something
-        self.early_contact = zeros(LEGS)  # react.EARLY...: it met ground too high in this swing, or landing from it
+        self.early_contact = zeros(LEGS)  # react.EARLY...: it met ground too high in this swing, or on landing from it
         self.apex = zeros(LEGS)  # lu, of the present swings
         self.held_up = zeros(LEGS)  # 1: the foot was held up in its last swing
-        self.peak_lag = zeros(LEGS)  # lu, the most a foot was behind its mate in its swing
+        self.peak_lag = zeros(LEGS)  # lu: how far the foot was behind its mate at most in its swing
         self.usual_lag = zeros(LEGS)  # lu, the mean of that over swings that were not held up, at most 0.04 of the leg
-        self.rises_first = zeros(LEGS)  # 1: held up in the swing before, the foot first gets free of that in this one
-        self.shortened = zeros(LEGS)  # lu, how much shorter of its way the foot in the air is sent
-        self.stuck_score = zeros(LEGS)  # twice the swings that were held up, less those that were not
-        self.held_up_in_row = zeros(LEGS >> 1)  # swings: of the front feet, of the hind feet
-        self.load_q12 = zeros(LEGS)  # own weight Q12, what each foot is expected to carry
+        self.rises_first = zeros(LEGS)  # 1: held up in its last swing, the foot gets free of that first in this one
+        self.shortened = zeros(LEGS)  # lu: by how much less far than planned a swing foot is sent
+        self.stuck_score = zeros(LEGS)  # twice the held-up swings, less the others
+        self.held_up_in_row = zeros(LEGS >> 1)  # held-up swings in a row: of the front feet, of the hind feet
+        self.load_q12 = zeros(LEGS)  # own weight Q12: what each foot is expected to carry
         self.hip_feet = Feet()  # lu from the hips
         self.flags = zeros(LEGS)  # leg.LIMIT_...: which joints of each leg were limited
-        self.joints = zeros(JOINTS)  # brad that reach them
-        self.joints_before = zeros(JOINTS)  # brad, the same a tick ago
+        self.joints = zeros(JOINTS)  # brad: they reach ``hip_feet``
+        self.joints_before = zeros(JOINTS)  # brad: the same a tick ago
         self.last_pose = Pose()  # the pose of the tick before
-        self.past_x = zeros(DELAY_TICKS * LEGS)  # lu: rings of where the feet were planned
+        self.past_x = zeros(DELAY_TICKS * LEGS)  # lu: rings of the planned feet
         self.past_z = zeros(DELAY_TICKS * LEGS)
-        self.past_stance = zeros(DELAY_TICKS)  # bits: ring of the legs that stood
+        self.past_stance = zeros(DELAY_TICKS)  # bits: ring of the stance legs
 
 
 @hot

@@ -1,4 +1,4 @@
-"""From command and measured motion to how the standing feet go back, how the body turns, and where feet are to land."""
+"""From command and measured motion to the stance feet's speed, the turn of the body, and the footholds."""
 
 from ..body.axes import Pose, Turn, Twist
 from ..body.params import LEGS, LF_BITS, Params
@@ -15,17 +15,17 @@ _BRAD_18 = const(25736)  # 2 pi / 65536 * 2^18 in Q10
 _SPEED_MAX = const(262143)  # lf / tick
 _HEADING_MAX = const(131071)  # 2^-18 rad, half a radian
 _OFF_MAX = const(65535)  # lu
-_LATE_Q10 = const(8)  # 0.008 of the leg: how far from rest all feet together may be
-_MORE_Q8 = const(77)  # 0.3 of the speed: the most that is added to reach it
+_LATE_Q10 = const(8)  # 0.008 of the leg: how far from rest the mean of all feet may be
+_MORE_Q8 = const(77)  # 0.3 of the commanded speed: the most that is added to reach it
 
 
 @hot
 def steer(params: Params, walk: Trot, speed: Twist, turned: Turn, pose: Pose) -> None:
-    """Write the speeds of the feet for a commanded one (lf / tick, yaw18 / tick) and what was measured.
+    """Write the speeds of the feet for the commanded speed (lf / tick, yaw18 / tick) and the measured motion.
 
-    A round foot's centre goes slower than the body. What is missed of the speed is added, but not while swings are
-    high: what held the body up would make it lunge once it is over. Heading: turned back by what was turned wrong; the
-    pose's yaw is turned to. The feet of one that is not to move stay. Intermediates: 2^18 * 2^10.
+    A round foot's centre goes slower than the body. The missing part of the speed is added, but not while swings are
+    high: the body would lunge once it is past what held it up. An error of the heading is turned back, and a change of
+    the pose's yaw is turned along. While ``wish.moving`` is 0 the feet stay. Intermediates: 2^18 * 2^10.
     """
     state = walk.state
     setup = params.trot
@@ -62,11 +62,11 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Turn, pose: Pose) ->
 
 @hot
 def feel_push(params: Params, walk: Trot) -> None:
-    """Write whether the body goes faster than told, by more than walking does, since it was pushed.
+    """Write whether the body has been pushed: it is faster than told by more than walking makes it.
 
-    One that becomes so while swings are high has been thrown by an edge, and counts as pushed if its drives can follow
-    such swings in a hurry. One that is held up by an edge is slower than told; so a push against the way is none before
-    it has turned the body round.
+    A body that becomes too fast while swings are high has been thrown by an edge; it counts as pushed if its drives can
+    hurry such swings. A body held up by an edge is slower than told, so a push against the way only counts once the
+    body goes backwards.
     """
     state = walk.state
     most = params.trot.pushed_speed
@@ -83,7 +83,7 @@ def feel_push(params: Params, walk: Trot) -> None:
 
 @hot
 def overspeed(seen: int, told: int) -> int:
-    """Return by how much a measured speed is faster than the commanded one, whichever way both point."""
+    """Return by how much a measured speed is larger than the commanded one, regardless of their signs."""
     if seen < 0:
         seen = -seen
     if told < 0:
@@ -93,7 +93,7 @@ def overspeed(seen: int, told: int) -> int:
 
 @hot
 def capture_point(params: Params, more: int) -> int:
-    """Return by how much further on a foot is to land for a speed that is too much, lu for lf / tick.
+    """Return the capture step: how much further on a foot is to land for a speed ``more`` too high, lu for lf / tick.
 
     Intermediates: 2^12 * 2^15.
     """
@@ -104,10 +104,10 @@ def capture_point(params: Params, more: int) -> int:
 
 @hot
 def reach_speed(params: Params, told: int, gone: int, drift_q8: int) -> int:
-    """Return what is added to the commanded speed along one axis, moved by what the odometry misses of it.
+    """Return what is added to the commanded speed along one axis, integrated by one tick.
 
-    told: commanded, gone: of the odometry, lf / tick; drift: what is added, lf / tick Q8. Who misses more than may be
-    added is pushed or held: then what is added stays as it is. Intermediates: 2^18 * 2^12.
+    told: commanded speed, gone: the odometry's, lf / tick; drift_q8: what is added, lf / tick Q8. If more is missing
+    than may be added, the robot is pushed or held: then what is added stays as it is. Intermediates: 2^18 * 2^12.
     """
     missed = saturate(told - gone, -_SPEED_MAX, _SPEED_MAX)
     if told < 0:
@@ -122,11 +122,11 @@ def reach_speed(params: Params, told: int, gone: int, drift_q8: int) -> int:
 
 @hot
 def wait_for_feet(params: Params, walk: Trot, pose: Pose) -> None:
-    """While swings are high the body waits for feet that stay behind; for feet that are ahead it does not hurry.
+    """While swings are high the body waits for feet that stay behind; it does not hurry for feet that are ahead.
 
-    It would go on over feet that an edge holds up, and its trunk come down on the edge. What all feet together are
-    too far behind is taken back in an eighth of a cycle, but the body goes back only where the ground climbs: on the
-    level a late bus alone would send it back. Intermediates: 2^16 * 2^13.
+    Otherwise it would go on over feet that an edge holds up, and its trunk would come down on the edge. What the mean
+    of all feet is too far behind is taken back in an eighth of a cycle, but the body only goes back where the ground
+    climbs: on the level a late bus alone would send it back. Intermediates: 2^16 * 2^13.
     """
     state = walk.state
     total = 0
@@ -147,10 +147,10 @@ def wait_for_feet(params: Params, walk: Trot, pose: Pose) -> None:
 
 @hot
 def lean(params: Params, walk: Trot, tilt: Ints, turned: Turn, pose: Pose) -> None:
-    """Take roll and pitch, brad, and the body's pose; write the tilt to come and the turns that level it.
+    """Take roll and pitch, brad, and the body's pose; write the tilt to come and the turns that level the body.
 
-    Tilts are limited to 45 deg. A changing pose moves the standing feet along, and turns the body where nothing levels
-    it. Intermediates: 2^13 * 2^15.3.
+    Tilts are limited to 45 deg. A change of the pose moves the stance feet, and turns the body if nothing levels it.
+    Intermediates: 2^13 * 2^15.3.
     """
     state = walk.state
     posed = walk.last_pose
@@ -176,7 +176,7 @@ def lean(params: Params, walk: Trot, tilt: Ints, turned: Turn, pose: Pose) -> No
 
 @hot
 def tilt_to_come(params: Params, tilt: int, turned: int) -> int:
-    """Return roll or pitch, rad Q14, that a body has when this tick's goals act: now ``tilt`` brad, and turning on.
+    """Return roll or pitch, rad Q14, when this tick's goals act: now ``tilt`` brad, and turning on by ``turned``.
 
     turned: 2^-18 rad in a tick, 0 for the tilt as it is.
     """
@@ -190,20 +190,20 @@ def tilt_to_come(params: Params, tilt: int, turned: int) -> int:
 
 @hot
 def turn_level(params: Params, wrong: int) -> int:
-    """Return the turn of this tick, 2^-18 rad about x or y, that levels a body tilted ``wrong`` brad too far."""
+    """Return this tick's turn about x or y, 2^-18 rad, to level a body that is tilted ``wrong`` brad too far."""
     wrong = saturate(wrong, -_TILT_MAX, _TILT_MAX)
     return saturate(-(wrong * params.trot.level_q12 >> 12), -_TURN_MAX, _TURN_MAX)
 
 
 @hot
 def turn_along(further: int) -> int:
-    """Return the turn of this tick, 2^-18 rad, of a body that nothing levels: its pose was turned ``further``, brad."""
+    """Return this tick's turn, 2^-18 rad, of a body that nothing levels and whose pose turned by ``further``, brad."""
     return saturate(saturate(further, -_TILT_MAX, _TILT_MAX) * _BRAD_18 >> 10, -_TURN_MAX, _TURN_MAX)
 
 
 @hot
 def rise(params: Params, walk: Trot, pose: Pose) -> None:
-    """Write how fast the body rises, with its pose and to its height above the standing feet."""
+    """Write how fast the body rises: with its pose, and towards its height above the stance feet."""
     state = walk.state
     total = 0
     for leg in range(LEGS):

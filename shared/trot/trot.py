@@ -1,9 +1,9 @@
-"""The trot, one tick of it.
+"""One tick of the trot.
 
     measured -> speed, residuals -> steering -> who swings -> standing and swinging feet -> joints -> goals
 
-Raibert's footholds and the linear pendulum's capture point, from the legs' own odometry; standing feet follow a field
-of speeds, so that there is no pose to be behind of; whatever goes wrong is gone with the next swing.
+Raibert's footholds and the linear pendulum's capture point, from the legs' own odometry. Stance feet follow a velocity
+field, so the body has no pose to fall behind; any error is gone with the next swing.
 """
 
 from ..body.axes import Pose, Twist
@@ -34,9 +34,9 @@ def trot_start(params: Params, walk: Trot) -> None:
 def trot_tick(params: Params, walk: Trot, sensed: Sensed, speed: Twist, pose: Pose, goal: Ints) -> int:
     """Plan one tick into ``goal`` (12 brad); return flags of legs out of reach or at their limits (reach.py, leg.py).
 
-    sensed: its joints have been told to sense_legs, so that their feet are in walk.measured. speed and pose: slewed,
-    speeds within 2^18, lengths within 32767; what else is wanted of it is in ``walk.wish``. Without measured joints,
-    tilt or rates ``known`` is 0 in the state, and it goes by its commands.
+    sensed: sense_legs has already taken its joints, and put their feet into walk.measured. speed and pose: slewed,
+    speeds within 2^18, lengths within 32767; all else that is wanted is in ``walk.wish``. Without measured joints, tilt
+    or rates the state's ``known`` is 0, and the trot only follows its commands.
     """
     valid = sensed.valid
     known = valid.joints & valid.tilt & valid.turned
@@ -67,7 +67,7 @@ def trot_tick(params: Params, walk: Trot, sensed: Sensed, speed: Twist, pose: Po
 
 @hot
 def forget(sensed: Sensed) -> None:
-    """Take tilt and rates that go with nothing else as level and still."""
+    """Set tilt and rates to level and still: if anything is not measured, neither is used."""
     sensed.tilt[ROLL] = 0
     sensed.tilt[PITCH] = 0
     sensed.turned.x = 0
@@ -77,7 +77,7 @@ def forget(sensed: Sensed) -> None:
 
 @hot
 def keep_past(walk: Trot) -> None:
-    """Keep the feet as if nothing hindered them, and who stands, for when the joints will have answered."""
+    """Keep the planned feet, as if unhindered, and the stance legs until the joints have answered the goals."""
     state = walk.state
     to = state.ring_at * LEGS
     for leg in range(LEGS):
@@ -94,7 +94,7 @@ def keep_past(walk: Trot) -> None:
 
 @hot
 def trot_done(walk: Trot) -> int:
-    """Return 1 when the trot may end in a stand: all feet stand, set down since the command is to stand; else 0."""
+    """Return 1 when the trot may end in a stand: all feet stand, and each touched down since that command; else 0."""
     if walk.state.standing == LEGS and walk.state.still_q20 > _CYCLE_AND_HALF:
         return 1
     return 0
