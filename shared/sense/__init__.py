@@ -1,1 +1,1 @@
-"""What is sensed, and what is made of it."""
+"""Sensor readings and what follows from them: attitude, what the legs feel, odometry."""

@@ -1,15 +1,14 @@
 """Roll and pitch from raw gyroscope and accelerometer counts (MPU6050 registers, int16).
 
-A complementary filter on the direction of gravity: the gyro turns the vector, the accelerometer
-pulls it back, slowly and only while it reads close to 1 g: as fast as a walking body sways and
-lands, it would tell a slope that is not there. What it goes on pulling back is the gyro's bias,
-which changes as the chip warms. At rest the accelerometer tells gravity alone and the gyro its
-bias alone, and both are believed soon. No angle is integrated, so nothing wraps and no pose is
-singular. Angles come out as R = Rx(roll) Ry(pitch): the body's own tilt,
-as shared/body/pose.py commands it.
+A complementary filter on the direction of gravity. The gyroscope turns the vector. The accelerometer pulls it back,
+only while it reads close to 1 g, and slowly: a filter as fast as a walking body sways and lands would report a slope
+that is not there. A correction that persists is the gyroscope's bias, which changes as the chip warms. At rest the
+accelerometer shows gravity alone and the gyroscope its bias alone, and both are soon trusted. No angle is integrated,
+so nothing wraps and no pose is singular. Angles come out as R = Rx(roll) Ry(pitch): the body's own tilt, as
+shared/body/pose.py commands it.
 
-MPU6050 scales (register map, sections 4.17 and 4.19): +-2 g = 16384 counts a g,
-+-250 deg/s = 131 counts a deg/s; the other ranges only change the gains in the attitude.
+MPU6050 scales (register map, sections 4.17 and 4.19): +-2 g = 16384 counts a g, +-250 deg/s = 131 counts a deg/s; the
+other ranges only change the gains in the attitude.
 """
 
 from ..body.axes import Point, Turn
@@ -24,23 +23,23 @@ class Attitude:
 
     gyro_q30: int = field("rad / (count tick) Q30", "the gyroscope's scale (1/131 deg/s at 50 Hz: 2862)")
     one_g: int = field("counts", "the accelerometer at 1 g, 2048 .. 16384")
-    trust_q15: int = field("Q15", "share of the accelerometer's correction a tick")
-    learn_q12: int = field("counts Q16 / rad Q14 Q12", "change of the gyroscope's bias a tick for what it corrects")
-    tolerance: int = field("counts", "away from 1 g, beyond which the accelerometer is not believed")
-    align_ticks: int = field("ticks", "at rest, that start-up averages, 1 .. 1024")
+    trust_q15: int = field("Q15", "share of the accelerometer's correction per tick")
+    learn_q12: int = field("counts Q16 / rad Q14 Q12", "change of the gyroscope's bias per tick and correction")
+    tolerance: int = field("counts", "distance from 1 g beyond which the accelerometer is not believed")
+    align_ticks: int = field("ticks", "readings at rest that start-up averages, 1 .. 1024")
     bias: Ints = vector(3, "counts Q16", "the gyroscope's bias, within 2^29")
     gravity: Point = part(Point, "direction of 'up' in the body, Q22")
-    gathered: int = field("ticks", "of start-up gathered so far")
-    sum: Ints = vector(3, "counts", "the accelerometer's sum of start-up")
-    gyro_sum: Ints = vector(3, "counts", "the gyroscope's sum of start-up")
-    rest: Ints = vector(2, "counts", "by which readings of gyroscope and accelerometer differ at rest, at most")
-    steady: Ints = vector(6, "counts", "the reading since which it rests")
-    still: int = field("ticks", "in a row that it rested, up to align_ticks")
-    rejected: int = field("ticks", "in a row in which the accelerometer was not believed")
+    gathered: int = field("ticks", "readings that start-up has gathered so far")
+    sum: Ints = vector(3, "counts", "sum of the accelerometer's readings at start-up")
+    gyro_sum: Ints = vector(3, "counts", "sum of the gyroscope's readings at start-up")
+    rest: Ints = vector(2, "counts", "largest change of the gyroscope's and the accelerometer's readings at rest")
+    steady: Ints = vector(6, "counts", "the reading with which the present rest began")
+    still: int = field("ticks", "for how long the sensor has been at rest, up to align_ticks")
+    rejected: int = field("ticks", "for how long the accelerometer has not been believed")
     roll: int = field("brad", "the result")
     pitch: int = field("brad", "the result")
-    rest_q27: Ints = vector(3, "rad Q27", "what of each axis's turn was too small for the tick before")
-    turned: Turn = part(Turn, "in the last tick")
+    rest_q27: Ints = vector(3, "rad Q27", "remainder of each axis's turn, for the next tick")
+    turned: Turn = part(Turn, "turn in the last tick")
 
 
 ALIGNING = const(1)  # attitude_step flags
@@ -49,9 +48,9 @@ MOVED_WHILE_ALIGNING = const(4)
 
 _ONE_Q22 = const(0x400000)
 _STILL_COUNTS = const(1310)  # 10 deg/s at 131 counts: more means the robot is being moved (assumed)
-_AT_REST = const(3)  # at rest sensors are believed 2^3 times as fast (chosen: in 0.6 s where trust_time is 5 s)
-_MISSED_MAX = const(1024)  # rad Q14, 3.6 deg: what is missed beyond it a knock or a fall did, not a bias
-_OFF_MAX_Q6 = const(16383)  # 256 counts: of a bias that is more wrong a part is taken at a time
+_AT_REST = const(3)  # at rest the sensors are trusted 2^3 times as fast (chosen: in 0.6 s where trust_time is 5 s)
+_MISSED_MAX = const(1024)  # rad Q14, 3.6 deg: an error beyond it is from a knock or a fall, not from a bias
+_OFF_MAX_Q6 = const(16383)  # 256 counts: a bias that is further off is corrected bit by bit
 _BIAS_MAX = const(0x1FFFFFFF)  # counts Q16: 62 deg/s; an MPU6050 has up to 20 (specification 3.4, 6.1)
 
 
@@ -136,9 +135,9 @@ def believed(attitude: Attitude, size: int) -> int:
 def rate_q18(attitude: Attitude, counts: int, axis: int) -> int:
     """Return the turn about ``axis`` during one tick in 2^-18 rad, limited to +-1/8 rad.
 
-    counts: int16. 1/8 rad a tick is 358 deg/s at 50 Hz; beyond it the attitude lags and the
-    accelerometer brings it back. What is smaller than a unit is kept for the next tick: at 500 Hz a
-    unit is 0.11 deg/s. Intermediates: 8192 * 131071 + 511 < 2^30.
+    counts: int16. 1/8 rad a tick is 358 deg/s at 50 Hz; beyond it the attitude lags and the accelerometer brings it
+    back. The remainder below one unit is kept for the next tick: at 500 Hz a unit is 0.11 deg/s. Intermediates: 8192 *
+    131071 + 511 < 2^30.
     """
     fine = saturate((counts << 6) - (attitude.bias[axis] >> 10), -0x3FFFFF, 0x3FFFFF)
     gain = saturate(attitude.gyro_q30, 0, 0x1FFFF)
@@ -209,7 +208,7 @@ def pull(attitude: Attitude, gyro_accel: Ints) -> int:
 
 @hot
 def rests(attitude: Attitude, gyro_accel: Ints) -> int:
-    """Count the ticks in which the readings stay as they are, up to align_ticks; return them."""
+    """Count for how many ticks the readings have not changed, up to align_ticks; return that."""
     attitude.still = saturate(attitude.still + 1, 0, attitude.align_ticks)
     for at in range(6):
         change = gyro_accel[at] - attitude.steady[at]
@@ -231,9 +230,9 @@ def pull_axis(attitude: Attitude, axis: int, seen_q14: int, trust_q15: int) -> N
 
 @hot
 def learn_bias(attitude: Attitude, x_q14: int, y_q14: int, z_q14: int) -> None:
-    """Move the gyroscope's bias against the turn from the gravity vector to the accelerometer's.
+    """Correct the gyroscope's bias by the turn that is missing from the gravity vector to the accelerometer's.
 
-    A turn about the vertical leaves both as they are: that bias stays as it was at rest. Intermediates: 2^29.
+    A turn about the vertical changes neither: the bias about it stays as it was at rest. Intermediates: 2^29.
     """
     x = attitude.gravity.x >> 8
     y = attitude.gravity.y >> 8
@@ -245,7 +244,7 @@ def learn_bias(attitude: Attitude, x_q14: int, y_q14: int, z_q14: int) -> None:
 
 @hot
 def learn_axis(attitude: Attitude, axis: int, missed_q28: int) -> None:
-    """Move one axis's bias by its share of the turn that was missed."""
+    """Correct one axis's bias by a share of the missing turn."""
     missed = saturate(missed_q28 >> 14, -_MISSED_MAX, _MISSED_MAX)
     learnt = missed * saturate(attitude.learn_q12, 0, 0x3FFFF) >> 12
     set_bias(attitude, axis, attitude.bias[axis] - learnt)
@@ -261,7 +260,7 @@ def set_bias(attitude: Attitude, axis: int, bias_q16: int) -> None:
 def normalise(attitude: Attitude) -> None:
     """Scale the gravity vector to length 1 in Q22, unless it is too short to have a direction.
 
-    Works on Q14 parts for the length and leaves what is within 2^-11, so the result is within 2^-10 of 1.
+    The length is taken from Q14 parts, and an error within 2^-11 is left: the result is within 2^-10 of 1.
     """
     x = attitude.gravity.x >> 8
     y = attitude.gravity.y >> 8

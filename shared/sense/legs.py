@@ -1,9 +1,8 @@
-"""What the legs tell: where the feet are, where their contacts have rolled, how much each carries.
+"""What the legs feel: where the feet are, where their contacts have rolled, how much each carries.
 
-Forward kinematics of the measured joints (paper A eqs 1-6) give the feet in the body; roll and
-pitch turn them level. A foot is round, so its contact rolls on by radius times the shank's turn. The
-joints give in proportion to their load, so goal minus measured, times stiffness, is the torque, and
-two torques are the foot's force along the leg:
+Forward kinematics of the measured joints (paper A eqs 1-6) give the feet in the body; roll and pitch turn them into
+level axes. A foot is round, so its contact rolls on by its radius times the shank's turn. The joints sag in proportion
+to their load, so (goal - measured) times stiffness is the torque, and two torques give the foot's force along the leg:
 
     F = (ak t3 - ac t2') / (-L2 L3 sin q3),  ak = L2 cos q2, ac = L3 cos(q2 + q3), t2' = t2 - t3
 
@@ -20,7 +19,7 @@ from ..runtime import Ints, const, hot, zeros
 
 
 class MeasuredFeet:
-    """The feet that the measured joints have, in the body, from the middle of the hips."""
+    """The feet by the measured joints, in the body, from the middle of the hips."""
 
     def __init__(self) -> None:
         self.now = Feet()  # lu
@@ -30,14 +29,14 @@ class MeasuredFeet:
 
 @record
 class Sensing:
-    """What the legs tell of feet, forces and motion."""
+    """What the legs feel of feet, forces and motion."""
 
-    level: list[Point] = parts(LEGS, Point, "each foot from the middle of the hips, level, turning with the body")
+    level: list[Point] = parts(LEGS, Point, "each foot from the middle of the hips, in axes that are level")
     force_q12: Ints = vector(LEGS, "own weight Q12", "each foot's force along its leg")
-    rolled: list[Spot] = parts(LEGS, Spot, "where each foot is, less what it rolled")
+    rolled: list[Spot] = parts(LEGS, Spot, "each foot in level axes, less the way that it rolled")
     joints: Ints = vector(JOINTS, "brad", "the joints in the tick before")
-    known: int = field("ticks", "measured in a row, up to 100")
-    sent_at: int = field("", "where in the ring the next goals go, 0 .. 15")
+    known: int = field("ticks", "for how long the joints have been measured without a gap, up to 100")
+    sent_at: int = field("", "place of the next goals in the ring, 0 .. 15")
     sent: Ints = vector(16 * JOINTS, "brad", "ring of the goals of the last 16 ticks")
     roll: int = field("brad", "of this tick")
     pitch: int = field("brad", "of this tick")
@@ -45,15 +44,15 @@ class Sensing:
     roll_cosine_q13: int = field("Q13", "cosine of roll")
     pitch_sine_q13: int = field("Q13", "sine of pitch")
     pitch_cosine_q13: int = field("Q13", "cosine of pitch")
-    rolls_q12: int = field("lu / brad Q12", "how far a foot rolls as its shank turns")
-    answered: int = field("", "where in the ring the goals lie that the joints answer; -1: nowhere yet")
+    rolls_q12: int = field("lu / brad Q12", "how far a foot rolls per turn of its shank")
+    answered: int = field("", "place in the ring of the goals that the joints now answer; -1: none yet")
 
 
 _BRAD_TO_RAD_Q26 = const(6434)  # 2 pi / 65536 in Q26 = 6433.98
 _ERROR_MAX = const(4095)  # brad, 22 deg: beyond it a drive gives all it has anyway
 _TURN_MAX = const(4095)  # brad per tick
 _FORCE_MAX_Q12 = const(16383)
-_STRAIGHT = const(1024)  # d / 2^13 below which the leg is too straight to tell a force
+_STRAIGHT = const(1024)  # |L2 L3 sin q3| / 2^13 below which the leg is too straight to show a force
 
 
 @hot
@@ -119,10 +118,10 @@ def sense_legs(
 
 @hot
 def keep_feet(joints: Ints, feet: Feet, sensing: Sensing) -> None:
-    """Turn the measured feet level into ``level``; write where their contacts had been without rolling.
+    """Write the measured feet in level axes into ``level``, and where they would be without rolling into ``rolled``.
 
     feet: lu within +-65534, because leg and hip are within 32767 lu each. ``rolled``: error at most 1/600 of the way
-    rolled + 1 lu. Used by sense_legs. Intermediates: 113510 * 8192 + 2^12 and 5147 * 32768.
+    rolled + 1 lu. Part of sense_legs. Intermediates: 113510 * 8192 + 2^12 and 5147 * 32768.
     """
     sine = sensing.pitch_sine_q13
     cosine = sensing.pitch_cosine_q13

@@ -1,17 +1,17 @@
-"""Where the robot has walked to, by its legs: a foot that carries stays where it is, so the body moves against it.
+"""Where the robot has walked to, by its legs: a loaded foot stays where it is, so the body moves against it.
 
 In the body's level axes a foot's contact is at n now, and this point of the foot was at b a tick ago: b - n is how far
-the foot's centre went, less what it rolled. With the body's turn t about z meanwhile, this foot tells the shift, in
-axes turned by half of t (J turns by a quarter):
+the foot's centre went, less what it rolled. If the body turned by t about z meanwhile, this foot shows the body's
+shift, in axes turned by half of t (J turns by a quarter turn):
 
     d = b - n - t J (b + n) / 2,    t = (wz cos(pitch) - wx sin(pitch)) / cos(roll)
 
-The body's is the mean of d over the feet, weighted by the square of what each carries at both ends of the tick: a foot
-that lands within it has still come some of its way through the air. Of a foot about to land or to leave, the joints'
-errors tell better than the plan. The feet tell the turn, too, where no gyroscope does, in the plane, and while the
-robot stands: a gyroscope would drift. Then t in the shift is their turn over 0.2 s: with that of the tick alone two
-feet that differ would count alike, whatever they carry. Slips stay in it, and so does what the gyroscope's bias is
-off: ``odometry_spread`` tells how much that is.
+The shift is the mean of d over the feet, weighted by the square of the load that each carries at both ends of the tick:
+a foot that lands within the tick has come a part of its way through the air. Near touchdown and lift-off the joints'
+errors show the load better than the plan does. The turn is the gyroscope's; where there is none, in the plane, and
+while the robot stands, when a gyroscope would drift, it is the feet's. Then t in the shift is averaged over 0.2 s: with
+the turn of a single tick, two feet that disagree would count alike, whatever they carry. Slip stays in the result, and
+so does the error of the gyroscope's bias: ``odometry_spread`` tells how much that is.
 """
 
 from ..body.axes import Spot, Turn
@@ -25,43 +25,43 @@ from .sensed import Sensed
 
 @record
 class Odometry:
-    """Place and heading since it began, x ahead and y left of where the body was then, and how fast the body moves.
+    """Place and heading since the start, x ahead and y left of where the body was then, and how fast the body moves.
 
-    The place stays at +-2^30 lu (8 km where a lu is 2^-17 m), so does the way; the heading goes on for 2^30 turns.
+    The place is limited to +-2^30 lu (8 km where a lu is 2^-17 m), and so is the way; the heading counts 2^30 turns.
     """
 
     place: Spot = part(Spot, "of the middle of the hips")
-    place_rest: Spot = part(Spot, "what of it is less than a lu, lu Q16")
-    turns: int = field("turns", "whole ones, to the left")
-    heading: int = field("2^-24 turn", "beyond those, -2^23 .. 2^23 - 1")
-    heading_rest: int = field("2^-35 turn", "what of it is less than a unit")
-    speed: Spot = part(Spot, "of the body over 0.2 s, lf / tick")
-    turning: int = field("2^-24 rad / tick", "about z, over 0.2 s")
+    place_rest: Spot = part(Spot, "its fraction of a lu, lu Q16")
+    turns: int = field("turns", "whole turns to the left")
+    heading: int = field("2^-24 turn", "beyond the whole turns, -2^23 .. 2^23 - 1")
+    heading_rest: int = field("2^-35 turn", "its fraction of a unit")
+    speed: Spot = part(Spot, "of the body, averaged over 0.2 s, lf / tick")
+    turning: int = field("2^-24 rad / tick", "about z, averaged over 0.2 s")
     known: int = field("", "1: ``rolled`` is of the tick before")
-    gyro: int = field("", "1: the gyroscope told the turn, 0: the feet")
+    gyro: int = field("", "1: the turn is the gyroscope's, 0: the feet's")
     rolled: list[Spot] = parts(LEGS, Spot, "``Sensing.rolled`` of the tick before")
     gone: list[Spot] = parts(LEGS, Spot, "b - n of each foot that counts")
     arm: list[Spot] = parts(LEGS, Spot, "(b + n) / 2 of each foot that counts, 2 lu")
     gone_mean: Spot = part(Spot, "the feet's mean, lu Q2")
     arm_mean: Spot = part(Spot, "the feet's mean, 2 lu")
-    stands: Ints = vector(LEGS, "ticks", "0: the foot swings .. sent_ticks + 2: it stands, a tick at a time")
-    carried_q12: int = field("own weight Q12", "sum of the feet's forces; of one that lands what it presses")
-    borne_q6: Ints = vector(LEGS, "own weight Q6", "by each foot a tick ago")
-    weight: Ints = vector(LEGS, "", "what each foot counts, the sum of all 253 .. 256 or 0")
-    walked: int = field("lu", "walked, at most an eighth too long")
-    slip: int = field("lu", "how far the feet have told otherwise than their mean")
-    heading_sigma_q26: int = field("rad Q26", "how far off the heading may be (one sigma) for what was walked")
-    heading_spread: Spot = part(Spot, "how far off the place is if the heading is off by that, lf")
-    scale_spread: Spot = part(Spot, "how far off it may be for a way told too long or too short (one sigma)")
-    place_spread: int = field("lu", "how far off it may be in any direction, beside these (one sigma)")
+    stands: Ints = vector(LEGS, "ticks", "0: the foot swings; sent_ticks + 2: it stands; changes by 1 per tick")
+    carried_q12: int = field("own weight Q12", "sum of the feet's forces; a foot that lands counts only if it presses")
+    borne_q6: Ints = vector(LEGS, "own weight Q6", "load of each foot a tick ago")
+    weight: Ints = vector(LEGS, "", "weight of each foot in the mean; their sum is 253 .. 256 or 0")
+    walked: int = field("lu", "way walked, at most an eighth too long")
+    slip: int = field("lu", "sum of how far the feet differed from their mean")
+    heading_sigma_q26: int = field("rad Q26", "error of the heading for what was walked (one sigma)")
+    heading_spread: Spot = part(Spot, "error of the place if the heading is off by that, lf")
+    scale_spread: Spot = part(Spot, "error of the place if the way is counted too long or too short (one sigma), lu")
+    place_spread: int = field("lu", "error of the place in any direction, besides these (one sigma)")
 
 
 _FAR = const(0x3FFF0000)
-_SUM_MAX = const(0x3F000000)  # of what grows by up to 2^24 in a tick: 15.75 rad Q26
-_FELT = const(16)  # own weight / 64: less than that all feet together never carry while the robot stands on them
-_GONE_MAX = const(8191)  # lu: a foot's way in a tick that is believed
+_SUM_MAX = const(0x3F000000)  # of sums that grow by up to 2^24 in a tick: 15.75 rad Q26
+_FELT = const(16)  # own weight / 64, a quarter: the feet of a robot that stands on them never carry less together
+_GONE_MAX = const(8191)  # lu: a foot's longest way in a tick
 _ARM_MAX = const(16383)
-_TURN_MAX = const(0x8000)  # 2^-18 rad / tick, as the attitude tells it
+_TURN_MAX = const(0x8000)  # 2^-18 rad / tick, the attitude's limit
 _TO_HEADING = const(20861)  # 2^35 / (2 pi) / 2^18 = 20860.76
 _HALF_TURN = const(0x800000)
 _BIAS_Q26 = const(8784)  # 0.0075 deg/s: an MPU6050's noise, 0.05 deg/s rms, over the second in which the bias is learnt
@@ -69,7 +69,7 @@ _BIAS_Q26 = const(8784)  # 0.0075 deg/s: an MPU6050's noise, 0.05 deg/s rms, ove
 
 @hot
 def odometry_lost(odometry: Odometry) -> None:
-    """The legs do not stand, or their joints are not known: what follows goes on from here, at rest."""
+    """Pause, because the legs do not stand or their joints are unknown; odometry later goes on from here, at rest."""
     odometry.known = 0
     odometry.turning = 0
     odometry.speed.x = 0
@@ -78,7 +78,7 @@ def odometry_lost(odometry: Odometry) -> None:
 
 @hot
 def odometry_restart(odometry: Odometry) -> None:
-    """Begin anew, at place and heading 0."""
+    """Start again, at place and heading 0."""
     odometry_lost(odometry)
     odometry.turns = 0
     odometry.heading = 0
@@ -95,10 +95,10 @@ def odometry_restart(odometry: Odometry) -> None:
 def odometry_step(
     params: Params, sensing: Sensing, sensed: Sensed, swinging: int, walks: int, odometry: Odometry
 ) -> None:
-    """Take a tick of legs that stand or walk (``sensing`` is of it).
+    """Take one tick in which the robot stands or walks, after ``sensing`` has taken it.
 
-    swinging: legs that are planned to swing, bits. walks 0: the robot stands. After 10 m over feet that stay the place
-    is right within 2 mm, the heading within 0.05 deg. Intermediates: 2^15 * 2^14 * sqrt 2.
+    swinging: legs that are planned to swing, bits. walks 0: the robot stands. After 10 m over feet that do not slip the
+    place is right within 2 mm, the heading within 0.05 deg. Intermediates: 2^15 * 2^14 * sqrt 2.
     """
     total = weigh_feet(params, sensing, swinging, odometry)
     see_feet(sensing, total, odometry)
@@ -116,10 +116,10 @@ def odometry_step(
 
 @hot
 def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odometry) -> int:
-    """Write what each foot counts, by what it carries; return the sum, 0 if none counts.
+    """Write the weight of each foot by the load that it carries; return their sum, 0 if no foot counts.
 
-    Only those count that are to stand, or were a tick before the goals that the joints answer: drives lag. Where the
-    joints tell of less than a quarter of the weight, stiff as they are, those count alike that are to stand.
+    Feet count that are planned to stand, or were up to a tick before the goals that the joints answer: drives lag. If
+    stiff joints show less than a quarter of the robot's weight, all feet that are planned to stand count alike.
     """
     total = 0
     carried = 0
@@ -147,10 +147,10 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
 
 @hot
 def lag_plan(params: Params, swings: int, leg: int, force_q12: int, odometry: Odometry) -> int:
-    """Let a foot's stand follow the plan, ``swings`` 0 or 1; return its force if it may carry, else 0.
+    """Let ``stands`` of a foot follow the plan; return the foot's force if it may carry, else 0. swings: 1 or 0.
 
-    All carry together what these feet do; of a foot that is about to land only what it presses counts: a leg that
-    brakes its swing pulls as hard as the robot weighs.
+    The forces are added to ``carried_q12``, that of a foot about to land only if it presses: a leg that brakes its
+    swing pulls as hard as the robot weighs.
     """
     whole = params.sent_ticks + 2
     lands = 0
@@ -168,7 +168,7 @@ def lag_plan(params: Params, swings: int, leg: int, force_q12: int, odometry: Od
 
 @hot
 def bear_on(force_q12: int, leg: int, odometry: Odometry) -> int:
-    """Return what a foot carries at both ends of the tick, own weight Q6 0 .. 64; keep the end, ``force_q12``."""
+    """Return the load carried at both ends of the tick, own weight Q6 0 .. 64; keep that at the end, ``force_q12``."""
     before = odometry.borne_q6[leg]
     now = saturate(force_q12 >> 6, 0, 64)
     odometry.borne_q6[leg] = now
@@ -179,9 +179,9 @@ def bear_on(force_q12: int, leg: int, odometry: Odometry) -> int:
 
 @hot
 def see_feet(sensing: Sensing, total: int, odometry: Odometry) -> None:
-    """Write how far each foot that counts has gone, where about it was, and the means by the weights, of sum ``total``.
+    """Write how far each foot that counts has gone, the middle of that way, and their means; total: sum of weights.
 
-    Intermediates: 256 * 4 * 2^14.
+    The means are weighted. Intermediates: 256 * 4 * 2^14.
     """
     gone_x = 0
     gone_y = 0
@@ -213,7 +213,7 @@ def see_feet(sensing: Sensing, total: int, odometry: Odometry) -> None:
 
 @hot
 def turn_of_body(sensing: Sensing, turned: Turn) -> int:
-    """Return how far the heading turns as the body turns by ``turned``, 2^-18 rad about its own axes, in the same.
+    """Return the turn of the heading, 2^-18 rad, for ``turned``, 2^-18 rad about the body's own axes.
 
     Limited to +-2^15. Error at most 1 + 3e-4 of it up to a roll of 60 deg. Intermediates: 2 * 2^15 * 2^13.
     """
@@ -226,9 +226,9 @@ def turn_of_body(sensing: Sensing, turned: Turn) -> int:
 
 @hot
 def turn_of_feet(odometry: Odometry) -> int:
-    """Return the turn that the feet tell together, 2^-18 rad within +-2^15: least squares of what they have gone.
+    """Return the turn that the feet show together, 2^-18 rad within +-2^15: least squares over their ways.
 
-    A single foot tells none. Error at most 1/500 of it. Intermediates: 256 * 2 * 2^14 * 2^13 >> 10, by 2^3 is 2^29.
+    A single foot shows none. Error at most 1/500 of it. Intermediates: 256 * 2 * 2^14 * 2^13 >> 10, by 2^3 is 2^29.
     """
     across = 0
     along = 0
@@ -254,9 +254,9 @@ def turn_of_feet(odometry: Odometry) -> int:
 
 @hot
 def move_on(params: Params, turn: int, total: int, walks: int, odometry: Odometry) -> None:
-    """Shift and turn the body by what the feet tell, or on as it went where none carries.
+    """Shift and turn the body by what the feet show, or on at its last speed if no foot counts.
 
-    turn: 2^-18 rad, total: sum of the weights. Differing is along x and y together, the feet's mean, lu Q2.
+    turn: 2^-18 rad, total: sum of the weights. ``slip`` is the feet's mean distance from the shift, x plus y, lu Q2.
     Intermediates: 2^15 * 2^14; 256 * 2^18; speeds 2^22 * 205 at the lowest rate, 20 Hz.
     """
     share_q10 = params.evened_q10
@@ -323,10 +323,10 @@ def place_body(ahead: int, aside: int, turn: int, walks: int, odometry: Odometry
 
 @hot
 def count_way(params: Params, ahead: int, aside: int, slip: int, odometry: Odometry) -> None:
-    """Add a shift and what the feet differ by, lu Q2, to what the uncertainties are told by.
+    """Add a shift, and how far the feet differ from it, lu Q2, to the sums from which the uncertainties follow.
 
-    While the gyroscope tells the heading, it is as wrong as its bias, and by 1/256 rad per slip of a leg's length; by
-    the feet it is by 1/16 rad (both from walks in space, over stones and stairs). Intermediates: 2^13 * 2^16.
+    A heading by the gyroscope is wrong by its bias, and by 1/256 rad per slip of a leg's length; a heading by the feet
+    by 1/16 rad instead (both from walks in space, over stones and stairs). Intermediates: 2^13 * 2^16.
     """
     if ahead < 0:
         ahead = -ahead
@@ -348,9 +348,9 @@ def count_way(params: Params, ahead: int, aside: int, slip: int, odometry: Odome
 def odometry_spread(params: Params, odometry: Odometry) -> None:
     """Write scale_spread and place_spread. With heading_spread they make the covariance of x, y and heading.
 
-    One sigma each, as walks of four robots in space err: a way is told wrong by 1/256 of it and an eighth of what the
-    feet slipped, a place anywhere by 1 mm, 1/256 of the way and 1/32 of the slip. The covariance is s s' + g g' + a a I
-    with s = (scale_spread, 0), g = (heading_spread, heading_sigma), a = place_spread for x and y, 0 for the heading.
+    One sigma each, as seen in walks of four robots in space: a way is wrong by 1/256 of it and an eighth of the slip, a
+    place in any direction by 1 mm, 1/256 of the way and 1/32 of the slip. The covariance is s s' + g g' + a a I with s
+    = (scale_spread, 0), g = (heading_spread, heading_sigma), a = place_spread for x and y, 0 for the heading.
     Intermediates: 2^20 * 512.
     """
     way = odometry.walked

@@ -1,17 +1,17 @@
-"""What is sensed of the robot in a tick, as the core takes it."""
+"""What is sensed of the robot in a tick, in the units of the core."""
 
 from ..body.axes import Turn
 from ..body.params import JOINTS
 from ..record import field, pack, record
 from ..runtime import Ints, const, zeros
 
-ROLL = const(0)  # places in a tilt
+ROLL = const(0)  # places in ``tilt``
 PITCH = const(1)
 
 
 @record
 class Valid:
-    """Which of the senses may be used in this tick: 1, else 0."""
+    """Which of the senses may be used in this tick."""
 
     tilt: int = field("", "1: roll and pitch are known")
     joints: int = field("", "1: the joints are known")
@@ -21,7 +21,7 @@ class Valid:
 class Sensed:
     """Attitude, joints and turning rates of one tick.
 
-    ``tilt``: ROLL and PITCH, brad, a row like the joints, for both are believed alike (planner/goals.py).
+    ``tilt``: ROLL and PITCH, brad, an array like the joints, because one function checks both (planner/goals.py).
     ``joints``: 12 brad, as measured. ``turned``: how far the body turned in this tick, without the gyroscope's bias.
     ``valid`` says which of them may be used.
     """
