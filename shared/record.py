@@ -5,10 +5,10 @@
         now: int = field("lu", "body to the left of the feet")
         age: Ints = vector(LEGS, "ticks", "since the planned touchdown, 0 in swing")
 
-``Sway()`` has every value at its default. Here it is an object with an attribute a field; for viper, native code and C
-the build (host/boards/build/records.py) makes one array of it and an index of each name. A record may hold others:
-``part`` one, ``parts`` a list of them. Where loops treat all fields alike, as a filter does the axes of a pose, it is
-an ``Axes``. What crosses a border as integers goes through ``pack`` and ``unpack``.
+``Sway()`` has every value at its default. Here it is an object with one attribute per field; for viper, native code and
+C the build (host/boards/build/records.py) makes one array of it, and each name becomes an index. A record may hold
+others: ``part`` one, ``parts`` a list of them. If loops treat all fields alike, as a filter does the axes of a pose, it
+is an ``Axes``. ``pack`` and ``unpack`` turn a record into integers, where it leaves the program, and back.
 """
 
 from array import array
@@ -19,7 +19,7 @@ _made = [0]  # how many fields have been declared: MicroPython does not keep a c
 
 
 class Field:
-    """What a record holds under a name: ``count`` integers, one if None; or as many records ``of`` a class."""
+    """One entry of a record: ``count`` integers, a single one if None; or as many records of the class ``of``."""
 
     def __init__(self, unit, meaning, default, count, of):
         _made[0] += 1
@@ -31,7 +31,7 @@ class Field:
         self.of = of
 
     def make(self):
-        """Return a new value of it."""
+        """Return a new value for it."""
         if self.count is None:
             return self.of() if self.of else self.default
         return [self.of() for _ in range(self.count)] if self.of else [self.default] * self.count
@@ -58,7 +58,7 @@ def parts(count, of, meaning):
 
 
 class Axes:
-    """What a record of single integers is derived from whose fields are also read and written by number, in loops.
+    """Base of records of single integers whose fields are also read and written by number, in loops.
 
     ``pose[axis]`` is the field that stands at place ``axis`` of its declaration, the first at 0.
     """
@@ -92,7 +92,7 @@ def record(declared):
 
 
 def block(size, given=()):
-    """Return what the build makes of a record: ``size`` integers, 0 but for the pairs of place and value ``given``."""
+    """Return what the build makes of a record: ``size`` integers, 0 except the pairs of place and value ``given``."""
     made = array("i", [0] * size)
     for at, value in given:
         made[at] = value
@@ -100,7 +100,7 @@ def block(size, given=()):
 
 
 def pack(values):
-    """Return the integers of a record, or of an array, in the order of its declaration."""
+    """Return the integers of a record, or of an array, in the order of their declaration."""
     fields = getattr(values, "FIELDS", None)
     if fields is None:
         return list(values)
@@ -116,7 +116,7 @@ def pack(values):
 
 
 def copy(values, into):
-    """Write the values of a record into another of its kind. Takes no memory."""
+    """Copy the values of a record into another one of its kind. Takes no memory."""
     fields = getattr(values, "FIELDS", None)
     if fields is None:
         for at in range(len(values)):
@@ -152,7 +152,7 @@ def _span(value, place):
 
 
 def value_at(values, at):
-    """Return one integer of a record, counted in the order of its declaration, or of an array. Takes no memory."""
+    """Return the integer at place ``at`` of a record, in the order of declaration, or of an array. Takes no memory."""
     fields = getattr(values, "FIELDS", None)
     if fields is None:
         return values[at]
@@ -169,7 +169,7 @@ def value_at(values, at):
 
 
 def set_at(values, at, new):
-    """Write one integer of a record, counted in the order of its declaration, or of an array. Takes no memory."""
+    """Write the integer at place ``at`` of a record, in the order of declaration, or of an array. Takes no memory."""
     fields = getattr(values, "FIELDS", None)
     if fields is None:
         values[at] = new
@@ -191,7 +191,7 @@ def set_at(values, at, new):
 
 
 def unpack(values, integers):
-    """Write integers into a record or array, in the order declared; return it. ValueError if too few or many."""
+    """Write integers into a record or array, in the order declared; return it. ValueError if too many or too few."""
     left = list(integers)
     left.reverse()
     _take(values, left)

@@ -7,9 +7,9 @@ The core is plain Python. Eleven names carry what a MicroPython build needs to k
            (host/boards/build) rewrites it to ``@micropython.viper`` or ``@micropython.native``.
 ``ptr8``   ``ptr16`` and ``ptr32`` alias an array inside a hot function for fast element access. They are
            the identity here and raw pointers in viper: ptr8 and ptr16 read unsigned, ptr32 signed.
-``reg16``  and ``reg32`` alias a chip's registers likewise: what is read may change by itself. Here the chip is a model.
-``bound``  makes a function of one that wants more, so that an interrupt finds its blocks.
-``zeros``  makes the array that state lives in, ``table`` and ``words`` make one of numbers that never change.
+``reg16``  and ``reg32`` alias a chip's registers likewise; their values may change by themselves. Here a chip model.
+``bound``  binds the first arguments of a function, so that an interrupt finds its blocks.
+``zeros``  makes an array for state, ``table`` and ``words`` make one of numbers that never change.
 """
 
 from array import array
@@ -20,7 +20,7 @@ try:
 except ImportError:
 
     def bound(function, *given):
-        """Return what calls ``function`` with ``given`` and then what it is called with itself. For set-up."""
+        """Return ``function`` with its first arguments bound to ``given``. For set-up."""
 
         def call(*more):
             return function(*(given + more))
@@ -61,19 +61,19 @@ def ptr32(block):
 
 
 def reg16(chip):
-    """Return the 16-bit registers of ``chip``: there an address, elsewhere a model of it (host/sim/chip)."""
+    """Return the 16-bit registers of ``chip``: on the chip an address, elsewhere a model of it (host/sim/chip)."""
     return chip.halves
 
 
 def reg32(chip):
-    """Return the 32-bit registers of ``chip``: there an address, elsewhere a model of it."""
+    """Return the 32-bit registers of ``chip``: on the chip an address, elsewhere a model of it."""
     return chip.words
 
 
 def zeros(size):
-    """Return ``size`` integers, all 0, in what this Python reads and writes fastest. Allocates: not for ticks.
+    """Return ``size`` integers, all 0, in the type that this Python reads and writes fastest. Allocates: not for ticks.
 
-    That is a list on CPython, four times as fast there as an array of machine words, which ptr32 needs in viper.
+    On CPython that is a list, four times as fast there as an array of machine words, which viper's ptr32 needs.
     """
     if CPYTHON:
         return [0] * size
@@ -81,14 +81,14 @@ def zeros(size):
 
 
 def table(values):
-    """Return ``values``, each 0 .. 65535, to be read through ptr16: a tuple on CPython, for the same reason."""
+    """Return ``values``, each 0 .. 65535, for ptr16; on CPython as a tuple, because it is faster."""
     if CPYTHON:
         return values
     return array("H", values)
 
 
 def words(values):
-    """Return ``values``, each of 32 bits, to be read through ptr32: as ``table``."""
+    """Return ``values``, each of 32 bits, for ptr32; otherwise like ``table``."""
     if CPYTHON:
         return values
     return array("i", values)

@@ -1,4 +1,4 @@
-"""What has axes: x forward, y left, z up, turns about them (ROS REP 103). In lu and brad if no other unit is named."""
+"""Records with axes: x forward, y left, z up, turns about them (ROS REP 103). In lu and brad unless otherwise named."""
 
 from ..record import Axes, field, record
 from ..runtime import const
@@ -36,14 +36,14 @@ class Tilt(Axes):
 class Turn(Axes):
     """How far a body turns about each axis."""
 
-    x: int = field("2^-18 rad", "rolls")
-    y: int = field("2^-18 rad", "pitches: nose down")
-    z: int = field("2^-18 rad", "to the left")
+    x: int = field("2^-18 rad", "about x")
+    y: int = field("2^-18 rad", "about y: nose down")
+    z: int = field("2^-18 rad", "about z: to the left")
 
 
 @record
 class Pose(Axes):
-    """Where a body is in a frame. It turns as pose.py says."""
+    """Where a body is in a frame. The order of its rotations is that of pose.py."""
 
     x: int = field("lu", "forward")
     y: int = field("lu", "left")

@@ -41,7 +41,7 @@ def setup_pid(params: Params, pid: Pid) -> None:
 
 @hot
 def balance_reset(balance: Balance) -> None:
-    """Forget what both controllers have learnt and correct by nothing."""
+    """Forget the state of both controllers and set the correction to 0."""
     pid_reset(balance.roll)
     pid_reset(balance.pitch)
     balance.correction.roll = 0
@@ -50,7 +50,7 @@ def balance_reset(balance: Balance) -> None:
 
 @hot
 def balance_release(balance: Balance, step: int) -> None:
-    """Let the correction fade by at most ``step`` brad (>= 0) and forget the rest.
+    """Fade the correction out by at most ``step`` brad (>= 0), and forget the controllers' state.
 
     For a tick without balance: an abrupt end of the correction would jerk the body.
     """

@@ -1,9 +1,9 @@
-"""How far the joints give under a foot's load, fed forward: dq = J^T F / K (paper A's legs, eqs 1-6).
+"""How far the joints sag under a foot's load, fed forward: dq = J^T F / K (paper A's legs, eqs 1-6).
 
-Servos without integral gain, like brushless joints with soft position loops, sag in proportion to
-torque. Raising the goals by the expected sag puts the foot where it was meant to be, without a
-loop and so without a delay. With a calf motor on the body (paper B) the thigh's motor only
-carries what acts at the knee, because the calf's angle to the body is the other motor's.
+Servos without integral gain, like brushless joints with soft position loops, sag in proportion to torque. Raising the
+goals by the expected sag puts the foot where it was meant to be, without a loop and so without a delay. With a calf
+motor on the body (paper B) the thigh's motor only carries what acts at the knee, because the calf's angle to the body
+is set by the other motor.
 """
 
 from ..num.fixed import cos_q15, mul_q15, saturate, sin_q15
@@ -12,7 +12,7 @@ from .feet import Feet
 from .params import CALF, THIGH, Params
 
 _FORCE_MAX_Q12 = const(16383)  # four times the own weight
-_SAG_MAX_BRAD = const(2730)  # 15 deg: beyond it a servo gives all it has anyway
+_SAG_MAX_BRAD = const(2730)  # 15 deg: beyond it a servo gives its full torque anyway
 
 
 @hot
@@ -45,11 +45,11 @@ def sag(torque_lu: int, give_q16: int) -> int:
 
 @hot
 def sag_leg(params: Params, leg: int, hip_feet: Feet, fx_q12: int, fy_q12: int, fz_q12: int, joints: Ints) -> None:
-    """Add to the three angles of ``leg`` in ``joints`` what they will give under a force on its foot.
+    """Add to the three angles of ``leg`` in ``joints`` how far they will sag under a force on its foot.
 
-    hip_feet: lu, each from its hip in body axes, within +-32767; joints: 12 brad, the angles that reach it.
-    fx, fy, fz: the ground's push on the foot in body axes, Q12 of the robot's own weight, each limited to
-    +-16383. Error at most 1.5 brad + 1e-4 of the sag. Intermediates as in torque and sag.
+    hip_feet: lu, each from its hip in body axes, within +-32767; joints: 12 brad, the angles that reach it. fx, fy, fz:
+    the ground's push on the foot in body axes, Q12 of the robot's own weight, each limited to +-16383. Error at most
+    1.5 brad + 1e-4 of the sag. Intermediates as in torque and sag.
     """
     foot = hip_feet.legs[leg]
     at = leg * 3

@@ -1,4 +1,4 @@
-"""Four feet, each with a place."""
+"""Four feet, each a point."""
 
 from ..record import parts, record
 from .axes import Point
@@ -7,6 +7,6 @@ from .params import LEGS
 
 @record
 class Feet:
-    """A place of each foot; whose unit and frame are named where it is used."""
+    """A point for each foot; unit and frame are named where it is used."""
 
     legs: list[Point] = parts(LEGS, Point, "FR, FL, RR, RL")

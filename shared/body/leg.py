@@ -126,7 +126,7 @@ def limit_legs(params: Params, joints: Ints, flags: Ints) -> int:
 
 @hot
 def limit_leg(params: Params, leg: int, joints: Ints) -> int:
-    """Limit the joints of one leg as limit_legs does; return what acted."""
+    """Limit the joints of one leg as limit_legs does; return the flags of the limits that acted."""
     limb = params.legs[leg]
     acted = 0
     for joint in range(3):

@@ -1,7 +1,7 @@
 """All four legs at once: forward and inverse kinematics with few calls, as a fast tick needs them.
 
-The same leg as in leg.py. What the legs take of sines, roots and arctangents is gathered and done in one loop each: a
-call costs as much as three of them.
+The same leg as in leg.py, but the sines, roots and arctangents of all legs are computed in one loop each: a call costs
+as much as three of them.
 """
 
 from ..num.fixed import arctans_brad18, round_roots
@@ -13,16 +13,16 @@ from .reach import reach_foot
 
 
 class LegsWork:
-    """What one loop hands to the next; nothing is remembered in it."""
+    """What one loop hands to the next; nothing in it lasts beyond a tick."""
 
     def __init__(self) -> None:
         self.waves = zeros(2 * JOINTS)  # Q15: sines of hip, thigh and shank of each leg, then their cosines
-        self.squares = zeros(2 * LEGS)  # lu^2, what roots are taken of
+        self.squares = zeros(2 * LEGS)  # lu^2: arguments of the roots
         self.roots = zeros(2 * LEGS)  # lu
-        self.drops = zeros(LEGS)  # lu, hip axis to foot across the leg's plane
-        self.lengths = zeros(LEGS)  # lu^2, thigh joint to foot
-        self.rises = zeros(4 * LEGS)  # y of what arctangents are taken of: three joints a leg, then the leads
-        self.runs = zeros(4 * LEGS)  # x
+        self.drops = zeros(LEGS)  # lu: a of leg.py, hip axis to foot in the leg's plane
+        self.lengths = zeros(LEGS)  # lu^2: thigh joint to foot
+        self.rises = zeros(4 * LEGS)  # y of the arctangents' arguments: three joints a leg, then the leads
+        self.runs = zeros(4 * LEGS)  # x of the arguments
         self.turns = zeros(4 * LEGS)  # the arctangents, 2^-18 turn
 
 
@@ -76,7 +76,7 @@ def legs_forward(params: Params, joints: Ints, waves: Ints, feet: Feet) -> None:
 
 @hot
 def legs_inverse(params: Params, hip_feet: Feet, work: LegsWork, joints: Ints) -> int:
-    """Write 12 joints in brad for the feet in ``hip_feet``, lu from the hips; return why some were moved, or 0.
+    """Write 12 joints in brad for the feet in ``hip_feet``, lu from the hips; return the flags of moved feet, or 0.
 
     A foot out of reach is first brought into it, in ``hip_feet`` (reach.py). Error and intermediates as leg_inverse.
     """
@@ -100,10 +100,10 @@ def legs_inverse(params: Params, hip_feet: Feet, work: LegsWork, joints: Ints) -
 
 @hot
 def reach_feet(params: Params, hip_feet: Feet, squares: Ints) -> int:
-    """Bring the feet of ``hip_feet``, lu from the hips, into reach (reach.py); return why some were moved, or 0.
+    """Bring the feet of ``hip_feet``, lu from the hips, into reach (reach.py); return the flags of moved feet, or 0.
 
-    Those that are surely within it are not looked at twice. Writes the squares of how far the feet are from the hips'
-    axes across the legs' planes, lu^2. Part of legs_inverse.
+    Feet that are certainly within reach skip the full check. Writes a^2 of leg.py for each leg, lu^2, into ``squares``.
+    Part of legs_inverse.
     """
     flags = 0
     for leg in range(LEGS):
@@ -131,10 +131,10 @@ def reach_feet(params: Params, hip_feet: Feet, squares: Ints) -> int:
 
 @hot
 def fill_turns(params: Params, hip_feet: Feet, work: LegsWork) -> None:
-    """Write what the joints' arctangents are taken of, and take them. Part of legs_inverse.
+    """Write the arguments of the joints' arctangents, and compute these. Part of legs_inverse.
 
-    Of the hip: one arctangent of the product of two complex numbers. Of the thigh: towards the foot. Of the calf: half
-    its bend. The lead of the thigh before the foot's direction is half the bend too where thigh and calf are equal.
+    Hip: one arctangent, of the product of two complex numbers. Thigh: the direction of the foot. Calf: half of its
+    bend. The thigh's lead before the foot's direction is half of the bend too if thigh and calf are equally long.
     """
     roots = work.roots
     rises = work.rises

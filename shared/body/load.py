@@ -1,9 +1,9 @@
-"""Which foot carries how much: the robot's weight shared out over any set of standing feet.
+"""Which foot carries how much: the robot's weight shared out over any set of stance feet.
 
-Weighted minimum norm, F_k = w_k (a + b x_k + c y_k) with sum F = W and no moment about the centre
-of mass: continuous from four feet (all w = 1) to three (one w going to 0). Two feet, or feet in
-one line, carry by the lever along that line; what tips about the line no force can hold.
-Forces are Q12 of the robot's own weight, so 4096 is the bare robot.
+Weighted minimum norm, F_k = w_k (a + b x_k + c y_k) with sum F = W and no moment about the centre of mass: continuous
+from four feet (all w = 1) to three (one w going to 0). Two feet, or feet in one line, share the weight as a lever along
+that line; no force of theirs can stop the robot from tipping about the line. Forces are Q12 of the robot's own weight,
+so 4096 is the bare robot.
 """
 
 from ..num.fixed import saturate
@@ -20,11 +20,11 @@ class Load:
 
     wanted_q12: Ints = vector(LEGS, "own weight Q12", "the share of each foot")
     middle: Spot = part(Spot, "the weighted middle of the feet, lu")
-    xx: int = field("(32 lu)^2", "second moment about it of x with x, shortened")
+    xx: int = field("(32 lu)^2", "second moment of x with x about that middle, shifted right")
     xy: int = field("(32 lu)^2", "of x with y")
     yy: int = field("(32 lu)^2", "of y with y")
-    shift: int = field("bits", "by which the moments were shortened")
-    slope: Spot = part(Spot, "how the share grows along x and y, shortened likewise, Q18 / 32 lu")
+    shift: int = field("bits", "by which the moments are shifted right")
+    slope: Spot = part(Spot, "how the share grows along x and y, shifted likewise, Q18 / 32 lu")
     arms: list[Spot] = parts(LEGS, Spot, "each foot that stands, from the middle, 32 lu")
 
 
@@ -36,13 +36,13 @@ _UNIT_HALF = const(16)
 def load_share(
     feet: Feet, weights: Ints, com_x: int, com_y: int, weight_q12: int, planar: int, block: Load
 ) -> int:
-    """Write into the block the share of each foot of ``weight_q12``; return 1 if any foot stands, else 0.
+    """Write each foot's share of ``weight_q12`` into the block; return 1 if any foot stands, else 0.
 
-    feet: lu in any frame that is level; weights: 4 values, 0 .. 256, how much each foot stands;
-    com_x, com_y: lu in the same frame; all within +-32767 lu. weight: 0 .. 16383, Q12 of the own weight.
-    planar: 1 leaves out y, because something else holds the roll. No foot pulls: shares are limited to
-    0 .. weight. Error at most 1 % of the weight where four feet span 0.2 of the largest leg or more.
-    Intermediates: 4096 * 16383 + 2^11, and those of load_moments and load_slope.
+    feet: lu in any frame that is level; weights: 4 values, 0 .. 256, how much each foot stands; com_x, com_y: lu in the
+    same frame; all within +-32767 lu. weight: 0 .. 16383, Q12 of the own weight. planar: 1 leaves out y, because
+    something else holds the roll. No foot pulls: shares are limited to 0 .. weight. Error at most 1 % of the weight
+    where four feet span 0.2 of the largest leg or more. Intermediates: 4096 * 16383 + 2^11, and those of load_moments
+    and load_slope.
     """
     total = load_moments(feet, weights, planar, block)
     if total <= 0:
@@ -75,8 +75,8 @@ def load_share(
 def load_moments(feet: Feet, weights: Ints, planar: int, block: Load) -> int:
     """Write the weighted middle of the feet, their arms and second moments about it; return the sum of the weights.
 
-    Arguments as load_share's. The moments are shortened until xx + yy has 14 bits. Intermediates: 256 * 1023^2.
-    In the plane all y are 0.
+    Arguments as load_share's. The moments are shifted right until xx + yy has 14 bits. Intermediates: 256 * 1023^2. In
+    the plane all y are 0.
     """
     total = load_middle(feet, weights, block)
     if total <= 0:
@@ -140,11 +140,11 @@ def load_middle(feet: Feet, weights: Ints, block: Load) -> int:
 
 @hot
 def load_slope(com_x: int, com_y: int, planar: int, block: Load) -> None:
-    """Write how the share grows along x and y so that its middle is at the centre of mass.
+    """Write how the share grows along x and y, so that the force's centre is at the centre of mass.
 
-    Solves the two moments' equations; feet in one line (determinant below 1/64 of the squared trace) only
-    take the part along the line. Slopes are in Q18 per 32 lu, shifted by ``shift``, limited to +-0x3FFFF.
-    Intermediates: 16383 * 1023 * 2 * 16 < 2^29.
+    Solves the equations of both moments; for feet in one line (determinant below 1/64 of the squared trace) only along
+    that line. Slopes are in Q18 per 32 lu, shifted by ``shift``, limited to +-0x3FFFF. Intermediates: 16383 * 1023 * 2
+    * 16 < 2^29.
     """
     off_x = saturate(com_x - block.middle.x + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
     off_y = 0

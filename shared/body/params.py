@@ -56,8 +56,8 @@ class Leg:
     highest: LegJoints = part(LegJoints, "joint limits, brad")
     hip: Point = part(Point, "the hip in the body")
     rest: Point = part(Point, "the foot in the body at rest")
-    lies: LegJoints = part(LegJoints, "the leg folded beside a robot that lies on its belly, brad")
-    clearance: int = field("lu", "the highest a trot's foot is put, from its hip (negative)")
+    lies: LegJoints = part(LegJoints, "its joints when folded beside a robot that lies on its belly, brad")
+    clearance: int = field("lu", "highest place of a foot under a gait's table, from its hip (negative)")
 
 
 @record
@@ -65,12 +65,12 @@ class Params:
     """One robot at one rate of its planner."""
 
     rate_hz: int = field("1/s", "planner ticks, 20 .. 500")
-    evened_q10: int = field("Q10 / tick", "share of a new value in what is evened over 0.2 s")
+    evened_q10: int = field("Q10 / tick", "share of a new value in averages over 0.2 s")
     length_shift: int = field("", "lu = 2^-shift m")
     speed_max: Twist = part(Twist, "largest speeds")
-    speed_slew: Twist = part(Twist, "how fast these change, lf / tick^2, yaw18 / tick^2")
+    speed_slew: Twist = part(Twist, "largest change of the speeds, lf / tick^2, yaw18 / tick^2")
     pose_max: Pose = part(Pose, "largest body pose")
-    pose_slew: Pose = part(Pose, "how fast it changes, lu / tick, brad / tick")
+    pose_slew: Pose = part(Pose, "largest change of the pose, lu / tick, brad / tick")
     joint_step: int = field("brad / tick", "largest joint speed while rising and sitting down")
     sit_z: int = field("lu", "foot below the hip when seated (negative)")
     gains: Gains = part(Gains, "of the balance over a gait's table")
@@ -90,10 +90,10 @@ class Params:
     leg_length: int = field("lu", "thigh + calf of leg FR")
     lateral_q12: int = field("Q12", "share of the sideways shift over the support, 0 in the plane")
     tilt_max: int = field("brad", "roll or pitch beyond which the robot has fallen")
-    tilt_ticks: int = field("ticks", "after which it has")
-    read_step: int = field("brad", "how far a joint's reading may be from the one before")
-    tilt_step: int = field("brad", "how far a reading of roll or pitch may be from the one before")
-    joint_near: int = field("brad / tick", "what every joint of a leg can turn, whatever the others do")
+    tilt_ticks: int = field("ticks", "for which it must be so tilted")
+    read_step: int = field("brad", "a joint's reading is odd if it is farther from the one before")
+    tilt_step: int = field("brad", "a reading of roll or pitch is odd if it is farther from the one before")
+    joint_near: int = field("brad / tick", "fastest that every joint of a leg can turn, whatever its other joints do")
     crawl: CrawlSetup = part(CrawlSetup, "the crawl over obstacles")
     trot: TrotSetup = part(TrotSetup, "the trot")
 

@@ -16,7 +16,7 @@ from .params import Params
 def mul_unit(a_q15: int, b_q15: int) -> int:
     """Return the product of two Q15 numbers within +-32767, where 32767 stands for exactly 1.
 
-    Keeps a rotation by nothing exactly nothing. Error at most 1/2 LSB beyond that reading.
+    A rotation by 0 therefore changes nothing. Error at most 1/2 LSB beyond that convention.
     """
     if a_q15 == 32767:
         return b_q15

@@ -8,8 +8,8 @@ both: clamp and report.
 A foot too far or too near moves along the ray from the hip to the boundary; one inside the hip offset
 moves out along the ray too, unless the ray leaves the shell before it leaves the cylinder:
 then it goes straight out from the hip axis and x is limited, and TOO_FAR is set as well.
-A foot less than 1 lu outside the shell is what rounding makes of one on it: it passes as is, and
-one more than 3 lu outside never does.
+A foot less than 1 lu outside the shell may be on it but for rounding, and passes as it is; a foot
+more than 3 lu outside never does.
 """
 
 from ..num.fixed import isqrt, round_sqrt

@@ -1,7 +1,7 @@
 """The static stability margin: how far the centre of mass is inside the support polygon (paper B, section IV).
 
-The polygon's corners are the standing feet, in the level plane. Two feet have a line, whose
-margin is never above 0; four, three or two go through the same few lines.
+The polygon's corners are the stance feet, in the level plane. Two feet have a line, whose margin is never above 0. The
+same code handles four, three and two feet.
 """
 
 from ..num.fixed import hypot, isqrt, saturate
@@ -11,7 +11,7 @@ from .feet import Feet
 from .params import LEGS
 
 NO_SUPPORT = const(-32768)  # no foot stands
-_AROUND = const(0x2310)  # FR, FL, RL, RR: the feet seen from above, against the clock, from the lowest four bits
+_AROUND = const(0x2310)  # FR, FL, RL, RR: the feet anticlockwise, seen from above, from the lowest four bits on
 
 
 @hot

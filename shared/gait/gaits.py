@@ -1,6 +1,6 @@
 """The registry of gaits: a gait is one entry in GAITS, its name, its mover and its table, None if it needs none.
 
-A mover is what stands and walks (shared/planner/movers.py). A table is a head and a row per segment of the cycle:
+A mover is the code that stands and walks (shared/planner/movers.py). A table is a head and a row per segment:
 
     head     swing height mm, P_T and P_N of the swing in 1/100 (100, 100 = even samples),
              body profile in moving segments: 0 even, 1 cycloid
@@ -40,7 +40,7 @@ GAIT_NAMES = tuple([entry[0] for entry in GAITS])
 def gait_for(entry: tuple, params: Params) -> Gait:
     """Return the gait of an entry for one robot at its rate. Allocates; ValueError as compile_gait.
 
-    Without a table it has the trot's speeds and swing: what the crawl cannot follow is trotted, too.
+    Without a table it gets the trot's speeds and swing height, the crawl too: what that cannot follow is trotted.
     """
     _, mover, table = entry
     if table:

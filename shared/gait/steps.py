@@ -1,9 +1,9 @@
 """Where the four feet are: footholds that pass under the body, and swings to the next ones.
 
-A stance foot stays on the ground, so in the base frame it moves against the body. A swing foot
-does the same, plus a cycloid to its next foothold; so it touches down with the ground's speed.
-Each next foothold is the rest position plus half of what the body will do during the coming
-stance (the symmetric point of Raibert's foot placement), so nothing accumulates.
+A stance foot stays on the ground, so in the base frame it moves against the body. A swing foot does the same, plus a
+cycloid to its next foothold, so it touches down without speed over the ground. Each next foothold is the rest position
+plus half of the body's way in the coming stance (the symmetric point of Raibert's foot placement), so nothing
+accumulates.
 """
 
 from ..body.axes import Twist
@@ -24,10 +24,10 @@ class Step:
     y: int = field("lf", "the foothold in the base frame")
     z: int = field("lu", "the foothold in the base frame")
     ticks: int = field("ticks", "samples of the swing, 0 in stance")
-    tick: int = field("ticks", "the sample to come")
-    left_q10: int = field("ticks Q10", "what the body will still advance during the swing")
+    tick: int = field("ticks", "the next sample")
+    left_q10: int = field("ticks Q10", "how far the body will still advance during the swing")
     to_z: int = field("lu", "height of the next foothold")
-    height: int = field("lu", "lift of the swing, as it was when the foot left")
+    height: int = field("lu", "lift of the swing, as commanded when the foot left")
 
 
 @record
@@ -88,8 +88,8 @@ def start_swings(gait: Gait, clock: Clock, steps: Steps) -> None:
 def body_advance(gait: Gait, clock: Clock) -> int:
     """Return how far the body moves in this tick, in ticks of the commanded speed, Q10.
 
-    Summed over a segment exactly the segment's ``advance_q4``. 0 .. 8192, because compile_gait refuses faster segments.
-    Intermediates below 4096 * 32768 + 2^15.
+    The sum over a segment is exactly the segment's ``advance_q4``. 0 .. 8192, because compile_gait refuses faster
+    segments. Intermediates below 4096 * 32768 + 2^15.
     """
     row = gait.rows[clock.segment]
     advance_q4 = row.advance_q4
@@ -159,7 +159,7 @@ def move_feet(steps: Steps, speed: Twist, ticks_q10: int) -> None:
 
 @hot
 def place_feet(params: Params, gait: Gait, steps: Steps, speed: Twist, height_lu: int, feet: Feet) -> int:
-    """Write where all four feet are to be in this tick into ``feet``; return the legs in swing, bits.
+    """Write the places of all four feet in this tick into ``feet``; return the legs in swing, bits.
 
     feet: lu in the base frame. height_lu: lift above the line from foothold to foothold.
     """
@@ -183,9 +183,9 @@ def swing_foot(
 ) -> None:
     """Write one swing foot into ``feet`` (paper A eqs 11-14) and take its sample.
 
-    Its next foothold is followed while the command changes, so it lands where it should; its height is that
-    of the first sample. Re-timed, both ends are samples, as in the paper; even samples leave out the last,
-    which is where the foot stands in the tick after. Intermediates: 32767 * 32768 < 2^30.
+    Its next foothold follows the command as that changes, so it lands where it should; its height is that of the first
+    sample. Re-timed samples include both ends, as in the paper; even samples leave out the last, which is where the
+    foot stands in the tick after. Intermediates: 32767 * 32768 < 2^30.
     """
     step = steps.legs[leg]
     foot = feet.legs[leg]
@@ -225,7 +225,7 @@ def between(from_lf: int, to_lf: int, share_q15: int) -> int:
 
 @hot
 def foothold_x(params: Params, leg: int, speed: Twist, ahead_q10: int) -> int:
-    """Return x in lf of the foothold that lies ``ahead_q10`` ticks of the body's way before rest."""
+    """Return x in lf of the foothold that is ahead of rest by the body's way in ``ahead_q10`` ticks."""
     rest = params.legs[leg].rest
     turned = turned_travel(speed.wz, rest.y << LF_BITS, ahead_q10)
     return (rest.x << LF_BITS) + travel(speed.vx, ahead_q10) - turned
@@ -233,7 +233,7 @@ def foothold_x(params: Params, leg: int, speed: Twist, ahead_q10: int) -> int:
 
 @hot
 def foothold_y(params: Params, leg: int, speed: Twist, ahead_q10: int) -> int:
-    """Return y in lf of the foothold that lies ``ahead_q10`` ticks of the body's way before rest."""
+    """Return y in lf of the foothold that is ahead of rest by the body's way in ``ahead_q10`` ticks."""
     rest = params.legs[leg].rest
     turned = turned_travel(speed.wz, rest.x << LF_BITS, ahead_q10)
     return (rest.y << LF_BITS) + travel(speed.vy, ahead_q10) + turned

@@ -15,8 +15,8 @@ MAX_SEGMENTS = const(8)
 
 # What walks a gait (shared/planner/movers.py)
 MOVER_TABLE = const(0)  # its table, blind
-MOVER_TROT = const(1)  # the trot; where it is held up, the crawl
-MOVER_CRAWL = const(2)  # the crawl; what it cannot follow, the trot
+MOVER_TROT = const(1)  # the trot; the crawl where the trot is held up
+MOVER_CRAWL = const(2)  # the crawl; the trot for what the crawl cannot follow
 
 
 @record
@@ -48,7 +48,7 @@ class Gait:
 
 @record
 class Clock:
-    """Where in its cycle a gait is."""
+    """Where a gait is in its cycle."""
 
     segment: int = field("", "index of the segment")
     tick: int = field("ticks", "since the segment began")
@@ -115,7 +115,7 @@ def share_out_advance(gait: Gait, i: int, share: int, shares: int) -> None:
 
 
 def limit_speeds(gait: Gait, params: Params) -> None:
-    """Fill in the fastest command: the robot's own limit, or what makes the longest stride."""
+    """Fill in the limits of the command: the robot's own, or what makes the longest stride."""
     stance_ticks = 1
     for leg in range(4):
         stance_ticks = max(stance_ticks, gait.stance_q10[leg] >> 10)
@@ -130,7 +130,7 @@ def limit_speeds(gait: Gait, params: Params) -> None:
 
 
 def share_out_swing(gait: Gait, leg: int) -> None:
-    """Fill in where the swings of ``leg`` start, how long they last, and what the body does meanwhile."""
+    """Fill in where the swings of ``leg`` start, how long they last, and how far the body advances meanwhile."""
     count = gait.segments
     bit = 1 << leg
     standing = gait.cycle << 10
@@ -154,7 +154,7 @@ def share_out_swing(gait: Gait, leg: int) -> None:
 
 @hot
 def gait_clock(gait: Gait, clock: Clock) -> int:
-    """Move the clock one tick on; return 1 when that starts a new cycle, else 0."""
+    """Advance the clock by one tick; return 1 when that starts a new cycle, else 0."""
     clock.tick += 1
     if clock.tick < gait.rows[clock.segment].ticks:
         return 0

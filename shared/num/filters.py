@@ -1,7 +1,6 @@
-"""Smoothing in integers: a share of a value that may be large, and the quintic of smooth moves.
+"""Smoothing in integers: a share of a value that may be large, and a quintic for smooth moves.
 
-The quintic u^3 (10 - 15 u + 6 u^2) has no speed and no acceleration at either end (Flash and Hogan's
-minimum jerk).
+The quintic u^3 (10 - 15 u + 6 u^2) has no speed and no acceleration at either end (Flash and Hogan's minimum jerk).
 """
 
 from ..runtime import const, hot

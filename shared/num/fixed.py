@@ -193,7 +193,7 @@ def hypot(x: int, y: int) -> int:
 
 @hot
 def ratio(numerator: int, denominator: int, bits: int) -> int:
-    """Return floor(numerator 2^bits / denominator), at most 2^30 - 1; 0 for a negative one or without denominator.
+    """Return floor(numerator 2^bits / denominator), at most 2^30 - 1; 0 if numerator < 0 or denominator < 1.
 
     numerator 0 .. 2^30 - 1, denominator 1 .. 2^29, bits 0 .. 30. Exact: divides bit by bit.
     """
@@ -232,7 +232,7 @@ def fall_q15(value: int, start: int, end: int) -> int:
 
 @hot
 def round_roots(squares: Ints, roots: Ints, count: int) -> None:
-    """Write the roots of ``count`` numbers, rounded to nearest, 0 of negative ones. Each as round_sqrt."""
+    """Write the roots of ``count`` numbers, rounded to nearest, 0 for negative ones. Each as round_sqrt."""
     table = SQRT_SEED
     for at in range(count):
         n = squares[at]

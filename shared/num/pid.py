@@ -1,7 +1,6 @@
 """A PID controller in integers: derivative on the measurement, clamped integral, limited output.
 
-Gains already hold the tick: ``KI`` is ki * dt and
-``KD`` is kd / dt, so a controller belongs to one rate.
+The gains include the tick: ``ki`` is ki * dt and ``kd`` is kd / dt, so a controller belongs to one rate.
 """
 
 from ..record import field, record
@@ -19,8 +18,8 @@ class Pid:
     integral_max: int = field("of the output", "limit of the integral term, 0 .. 16383")
     output_max: int = field("of the output", "limit of the output, 0 .. 16383")
     integral_q12: int = field("Q12 of the output", "the integral term")
-    previous: int = field("of the input", "the measurement before")
-    started: int = field("", "0 until there is one")
+    previous: int = field("of the input", "the last measurement")
+    started: int = field("", "0 until there was a measurement")
 
 
 _ERROR_MAX = const(8191)  # one quarter of a half turn: larger errors act as this one

@@ -1,1 +1,1 @@
-"""The CAN protocol in integers: generated codec, names and limits, and the thin framing round them."""
+"""The CAN protocol in integers: generated codec, names and limits, and hand-written framing and reception."""

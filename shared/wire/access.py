@@ -1,4 +1,4 @@
-"""Whether a parameter may be read or written: the refusals behind RESULT_*; a value is never bent into range."""
+"""Whether a parameter may be read or written, as RESULT_*; a value out of range is refused, never limited."""
 
 from ..runtime import const, hot, ptr16, ptr32
 from .names import RESULT_NEEDS_DISARMED, RESULT_OK, RESULT_OUT_OF_RANGE, RESULT_READ_ONLY, RESULT_UNKNOWN_PARAMETER
@@ -20,9 +20,9 @@ def may_read(parameter: int) -> int:
 
 @hot
 def may_write(parameter: int, value: int, armed: int) -> int:
-    """Return RESULT_OK if ``value`` (raw, within +-2^30) may be written to any id, else why not.
+    """Return RESULT_OK if ``value`` (raw, within +-2^30) may be written to any id, else the reason why not.
 
-    ``armed`` is not 0 while the drive is enabled. In this order: unknown, read only, armed, out of range.
+    ``armed`` is not 0 while the drive is enabled. Checked in this order: unknown, read only, armed, out of range.
     """
     if parameter < 0 or parameter >= PARAMETERS:
         return RESULT_UNKNOWN_PARAMETER

@@ -1,7 +1,7 @@
-"""Who a board is before it has a node: a 30-bit number from the chip's unique id, and when it answers to all.
+"""A board's identity before it has a node: a 30-bit number from the chip's unique id, and when it answers to all.
 
-The number is CRC-30/CDMA (polynomial 0x2030B9C7, 3GPP2 C.S0002) of the unique id, because 30 bits are a small
-integer of a 32-bit MicroPython. Not part of the control tick, so plain Python.
+The number is CRC-30/CDMA (polynomial 0x2030B9C7, 3GPP2 C.S0002) of the unique id, because 30 bits are a small integer
+of a 32-bit MicroPython. Not part of the control tick, so plain Python.
 """
 
 from ..runtime import const

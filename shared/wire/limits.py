@@ -1,4 +1,4 @@
-"""What the codec asks of a value: is it within its range, and what is it when it is brought into it."""
+"""The codec's checks of a value: whether it is within its range, and what it is when limited to it."""
 
 from ..runtime import hot
 

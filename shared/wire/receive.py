@@ -1,9 +1,9 @@
 """The joint's end of the bus: what a frame means for this joint, set-points kept until SYNC makes them valid.
 
-A set-point frame fills the pending slots; SYNC moves them all at once to
-the latched ones, so the joints of a robot change together. What has arrived decides the mode: position, velocity,
-current or impedance set-point, the last one wins. A feed-forward holds for the set-point it came with; without it
-the next set-point has none. Stiffness and damping hold until changed. Nothing here ever makes a set-point up.
+A set-point frame fills the pending slots; SYNC moves them all at once to the latched ones, so the joints of a robot
+change together. What has arrived decides the mode: position, velocity, current or impedance set-point, the last one
+wins. A feed-forward holds for the set-point it came with; the next set-point without one has none. Stiffness and
+damping hold until changed. Nothing here ever makes a set-point up.
 """
 
 from ..record import field, record, vector
