@@ -1,7 +1,7 @@
-"""The rotor encoder's eccentricity: an off-centre magnet bends its readings by one and two waves a turn.
+"""The rotor encoder's eccentricity: an off-centre magnet distorts its readings by a wave once and a wave twice a turn.
 
-A table of what to add, straight between its entries, is applied to every reading before the current step. Only two
-harmonics are kept of what was measured: cogging bends the rotor's way as well, but many times a turn.
+A table of corrections, linear between its entries, is applied to every reading before the current step. Only these two
+harmonics of the measured error are kept: cogging bends the rotor's path as well, but many times a turn.
 """
 
 from ..runtime import hot
@@ -10,7 +10,7 @@ from .layout import BENDS, COSINE_AT, CurrentLoop, JointSettings
 
 @hot
 def straightened(loop: CurrentLoop, rotor: int) -> int:
-    """Return the rotor's angle for a reading, both 0 .. 16383 rc. Error 1 rc and the table's (fill_bend)."""
+    """Return the corrected rotor angle for a reading, both 0 .. 16383 rc. Error 1 rc and the table's (fill_bend)."""
     at = rotor >> 9
     bend = loop.bend[at]
     return (rotor + bend + ((loop.bend[at + 1] - bend) * (rotor & 511) >> 9)) & 16383
@@ -18,9 +18,9 @@ def straightened(loop: CurrentLoop, rotor: int) -> int:
 
 @hot
 def fill_bend(loop: CurrentLoop, cos1_q4: int, sin1_q4: int, cos2_q4: int, sin2_q4: int) -> None:
-    """Write what to add to a reading from its harmonics, rc in Q4, each within +-4095.
+    """Write the table of corrections from its harmonics, rc in Q4, each within +-4095.
 
-    Error 1 rc, and of the straight lines 0.5 % of the first and 2 % of the second harmonic. Sum below 2^29.
+    Error 1 rc, and by linear interpolation 0.5 % of the first and 2 % of the second harmonic. Sum below 2^29.
     """
     for at in range(BENDS):
         one = at << 5 & 1023  # of the sine table's 1024 entries a turn

@@ -1,7 +1,7 @@
-"""The cascade: position -> velocity -> current, entered at the level of the mode; impedance; damping without set-point.
+"""The cascade position -> velocity -> current, entered where the mode says; impedance; damping without a set-point.
 
-Once a millisecond. The result is current_reference, joint-signed; write_current hands it to the current
-step. Every limit that acts sets its LIMIT_* bit in state.limits.
+Once a millisecond. The result is current_reference, joint-signed; write_current hands it to the current step. Every
+limit that acts sets its LIMIT_* bit in state.limits.
 """
 
 from ..num.fixed import fall_q15, saturate
@@ -28,7 +28,7 @@ _RATE_ERROR_MOST = const(0x1FFFF)
 _CURRENT_MOST = const(12288)
 _POSITION_MOST = const(0x1FFFFF)
 _GLIDE_MOST = const(16)  # ticks
-_GLIDE_APART = const(4096)  # rc; farther is a step, not a motion: 0.07 rad of a 22:1 joint
+_GLIDE_APART = const(4096)  # rc; a goal farther away is a step, not a motion: 0.07 rad of a 22:1 joint
 
 
 @hot
@@ -114,10 +114,10 @@ def follow_position(settings: JointSettings, state: JointState, io: JointIo) -> 
 def glide(state: JointState, feed: int) -> int:
     """Move state.target one tick towards state.goal_position, which moves at ``feed``; return the move, rc/256 a tick.
 
-    In target_ticks_left ticks it is there and as fast: its rate goes there in equal steps, and what is still missing is
-    shared out evenly. So a smooth motion sent 200 times a second stays smooth, as if its acceleration were sent too.
-    feed and target_rate within +-2^18, goal and target at most 2^21 rc/256 apart, at most 16 ticks left: below 2^23.
-    Meets the goal exactly; on the way within 2 rc/256 a tick of exact arithmetic.
+    After target_ticks_left ticks it has the goal's position and rate: its rate changes in equal steps, and the distance
+    still missing is spread evenly. So a smooth motion sent 200 times a second stays smooth, as if its acceleration were
+    sent too. feed and target_rate within +-2^18, goal and target at most 2^21 rc/256 apart, at most 16 ticks left:
+    below 2^23. Meets the goal exactly; on the way within 2 rc/256 a tick of exact arithmetic.
     """
     left = state.target_ticks_left
     if left <= 1:
@@ -162,8 +162,8 @@ def follow_velocity(settings: JointSettings, state: JointState, wanted: int) -> 
 def feed_acceleration(settings: JointSettings, state: JointState, change: int) -> int:
     """Return current_reference: the current for the trajectory's ``change`` of rate, smoothed over some four ticks.
 
-    change within +-65535 rate units a tick, inertia 0 .. 16383 (Q8). Unsmoothed, each correction of the trajectory
-    is a blow of up to the acceleration limit. Error 1 cu. Below 2^28.
+    change within +-65535 rate units a tick, inertia 0 .. 16383 (Q8). Without smoothing, each correction of the
+    trajectory is a jolt of up to the acceleration limit. Error 1 cu. Below 2^28.
     """
     fed = state.acceleration_feed
     fed += (change * settings.inertia >> 4) - fed >> 2
@@ -174,11 +174,11 @@ def feed_acceleration(settings: JointSettings, state: JointState, change: int) -
 
 @hot
 def velocity_loop(settings: JointSettings, state: JointState, feed_cu: int) -> int:
-    """Return current_reference: PI on the rate, plus the feed-forward and the acceleration's share already there.
+    """Return current_reference: PI on the rate, plus feed-forward, plus the acceleration's share that it already holds.
 
-    Rate error limited to +-(2^17 - 1), velocity_p 0 .. 8191 (Q12), velocity_i 0 .. 8191 (Q16). The
-    integral does not grow while the current is limited on the same side, and stays within the largest
-    current. Error at most 2 cu plus the gains'. Products below 2^30.
+    Rate error limited to +-(2^17 - 1), velocity_p 0 .. 8191 (Q12), velocity_i 0 .. 8191 (Q16). The integral does not
+    grow while the current is limited on the same side, and stays within the largest current. Error at most 2 cu plus
+    the gains'. Products below 2^30.
     """
     error = saturate(state.rate_reference - state.velocity, -_RATE_ERROR_MOST, _RATE_ERROR_MOST)
     integral = state.velocity_integral
@@ -211,7 +211,7 @@ def impedance(settings: JointSettings, state: JointState, io: JointIo) -> int:
 
 @hot
 def guard_position(settings: JointSettings, state: JointState, current_cu: int) -> int:
-    """Return the current, but none that pushes further out beyond a position limit."""
+    """Return the current, or 0 if it would push the joint further beyond a position limit."""
     room = state.position - settings.position_min
     if current_cu > 0:
         room = settings.position_max - state.position
@@ -223,10 +223,10 @@ def guard_position(settings: JointSettings, state: JointState, current_cu: int) 
 
 @hot
 def limit_current(settings: JointSettings, state: JointState, wanted_cu: int) -> int:
-    """Return current_reference: ``wanted_cu``, within +-2^21, limited to current_limit and to what the bus bears.
+    """Return current_reference: ``wanted_cu``, within +-2^21, limited to current_limit and to what the supply allows.
 
-    Driving current falls linearly to 0 from under_start down to settings.under, braking current (which
-    feeds the bus) from over_start up to settings.over. Exact but for 1 cu.
+    Driving current falls linearly to 0 from under_start down to settings.under, braking current (which feeds the bus)
+    from over_start up to settings.over. Exact but for 1 cu.
     """
     limit = state.current_limit
     flag = LIMIT_CURRENT
@@ -267,10 +267,10 @@ def write_current(loop: CurrentLoop, settings: JointSettings, state: JointState)
 
 @hot
 def _move_target(settings: JointSettings, state: JointState, io: JointIo) -> int:
-    """Take a new set-point or go on at its velocity; move state.target and return its rate.
+    """Take a new set-point, or move on at the velocity of the last; move state.target and return its rate.
 
-    Between set-points the goal moves on at the velocity feed-forward, for extrapolate_ticks at most, and stays there;
-    until the first set-point it is where the joint was.
+    Between set-points the goal moves on at the velocity feed-forward, for extrapolate_ticks at most, and then stays
+    there; until the first set-point it is where the joint was.
     """
     top = settings.rate_max
     feed = saturate(rate_from_wire(io.velocity, settings.rate_q8), -top, top)
@@ -295,10 +295,10 @@ def _move_target(settings: JointSettings, state: JointState, io: JointIo) -> int
 
 @hot
 def _take_goal(state: JointState, goal_rc: int) -> None:
-    """Set the goal and glide there in twice the time since the last; what is far away is gone to at once.
+    """Set the goal; glide there in twice the time since the last one, or go there at once if it is far away.
 
-    Twice, because a set-point's position comes in steps of 1/65536 turn: of a swing sent at 200 Hz the full motor model
-    needs 0.17 A rms; it draws 0.79 A without glide and smoothing, 0.27 A if the glide takes as long as a set-point
+    Twice, because a set-point's position comes in steps of 1/65536 turn. A swing sent at 200 Hz needs 0.17 A rms in the
+    full motor model; it draws 0.79 A without glide and smoothing, 0.27 A if the glide takes as long as a set-point
     lasts, 0.19 A if twice as long.
     """
     apart = goal_rc - (state.target >> 8)

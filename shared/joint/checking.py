@@ -1,8 +1,8 @@
-"""Waves of the cogging are checked by what they are for, an even speed: a round without and one with them.
+"""Waves of the cogging are checked by their purpose, an even speed: one round without them and one with them.
 
-Each is to take half of the speed's ripple away, so often a turn; what does not is dropped. So is what had less ripple
-to take than the first wave leaves, or than half of what its current would make, and one that is less than a sixteenth
-of the friction: friction alone made some of 1/25.
+A wave has to halve the ripple of the speed at its own number per turn, else it is dropped. It is also dropped if its
+ripple was less than what the first wave leaves, or than half of what its current would make, and if it is below a
+sixteenth of the friction: friction alone made some of 1/25.
 """
 
 from ..num.fixed import saturate
@@ -18,9 +18,9 @@ _LEFT_MOST = const(128)  # of the ripple, in 1/256
 
 @hot
 def begin_check(loop: CurrentLoop, settings: JointSettings, commission: Commission, least: int) -> int:
-    """Make the settled first wave and all others of at least that amplitude ready, but creep without; return 0.
+    """Set up the settled first wave and all others of an amplitude of at least ``least``, but creep without; return 0.
 
-    If there is none but the settled one there is nothing to check: return 1.
+    If the settled one is the only one there is nothing to check: return 1.
     """
     others = 0
     if least < commission.coulomb >> 4:
@@ -41,7 +41,7 @@ def begin_check(loop: CurrentLoop, settings: JointSettings, commission: Commissi
 
 @hot
 def check_wave(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Take in the ripple without or with a wave; after the last wave go on, or return 1 if the check is over."""
+    """Take the ripple without or with a wave; after the last wave go on. Return 1 when the check is over."""
     ripple = 0
     if commission.order > 0:
         ripple = wave_amplitude(commission)
@@ -68,7 +68,7 @@ def check_wave(loop: CurrentLoop, settings: JointSettings, commission: Commissio
 
 @hot
 def _too_quiet(commission: Commission, wave: int) -> int:
-    """Return 1 if a wave's ripple is not half of what its current would make, as the settled first one's does."""
+    """Return 1 if a wave's ripple is less than half of what its current would make, as the settled first one's does."""
     if wave == 0 or commission.creep_settled == 0:
         return 0
     makes = commission.ripple[0] * (commission.wave_current[wave] >> 4)
@@ -79,7 +79,7 @@ def _too_quiet(commission: Commission, wave: int) -> int:
 
 @hot
 def _useless(commission: Commission, wave: int, ripple: int) -> int:
-    """Return 1 if a wave leaves more than half of its ripple, or had less of it than the first wave leaves; else 0."""
+    """Return 1 if a wave leaves more than half of its ripple, or its ripple was less than the first leaves; else 0."""
     before = commission.ripple[wave]
     if wave == 0:
         commission.ripple[0] = ripple  # what it leaves, from here on

@@ -1,7 +1,7 @@
-"""Cogging: the rotor's teeth pull it to and fro as it turns, and a current fed forward holds against that.
+"""Cogging: magnets and teeth pull the rotor to and fro as it turns, and a current fed forward compensates for that.
 
-A table of waves over the rotor's turn: how often a turn, how much current, and where in the wave the reading 0 lies.
-They are added up at each reading of the rotor, before the current step. What is asked for and the waves together stay
+A table of waves over the rotor's turn: how often a turn each comes, its current, and its phase at the reading 0. They
+are added up at each reading of the rotor, before the current step. The wanted current and the waves together stay
 within the current limit.
 """
 
@@ -17,7 +17,7 @@ _SINE_STEPS = const(1023)  # of the sine table, less one
 def cogging_step(loop: CurrentLoop, rotor: int) -> int:
     """Set loop.cogging_q for a rotor at ``rotor`` (straightened, 0 .. 16383) and return it, in cu; in the interrupt.
 
-    Error 1 cu and 0.3 % of each wave, of the sine table's step. Below 2^30 for amplitudes below 2^15 (Q4).
+    Error 1 cu, and 0.3 % of each wave because of the sine table's step. Below 2^30 for amplitudes below 2^15 (Q4).
     """
     current = 8
     for wave in range(loop.waves):
@@ -54,13 +54,13 @@ def put_wave(loop: CurrentLoop, wave: int, order: int, current_q4: int, phase_br
 
 @hot
 def try_wave(loop: CurrentLoop, commission: Commission, wave: int) -> None:
-    """Set one wave as commissioning has found it."""
+    """Set one wave as commissioning found it."""
     put_wave(loop, wave, commission.wave_order[wave], commission.wave_current[wave], commission.wave_phase[wave])
 
 
 @hot
 def drop_wave(loop: CurrentLoop, commission: Commission, wave: int) -> None:
-    """Forget a wave that commissioning has found."""
+    """Forget a wave that commissioning found."""
     commission.wave_order[wave] = 0
     commission.wave_current[wave] = 0
     try_wave(loop, commission, wave)
@@ -68,7 +68,7 @@ def drop_wave(loop: CurrentLoop, commission: Commission, wave: int) -> None:
 
 @hot
 def hold_waves(loop: CurrentLoop, on: int) -> int:
-    """Let the waves act (``on`` 1) or not (0); return how many do."""
+    """Switch the waves on (``on`` 1) or off (0); return how many act."""
     loop.waves = 0
     if on:
         loop.waves = WAVES

@@ -1,18 +1,19 @@
-"""Commissioning: from an unknown motor in a leg to a current loop that knows it, tick by tick, in integers.
+"""Commissioning: from an unknown motor in a leg to control loops that fit it, tick by tick, in integers.
 
     at rest, bridge off: offsets, noise, supply (resting.py)
     -> a voltage along one direction: R, L, gains of the current loop (winding.py), and their proof (proving.py)
-    -> once round and back and round again: direction, pole pairs, offset, eccentricity (turning.py)
-    -> to and fro by itself: flux linkage, and the offset anew (spinning.py)
+    -> a field turns the rotor round, back, round again: direction, pole pairs, offset, eccentricity (turning.py)
+    -> the rotor swings to and fro by itself: flux linkage, and the offset anew (spinning.py)
     -> the same gently: inertia, friction, gains of the outer loops (swinging.py, outer.py)
-    -> slowly, held by a field: cogging and the gear's play (waves.py, play.py)
-    -> runs with steps: proof of the velocity and the position loop (proving.py)
-    -> everything is written (findings.py)
+    -> it creeps, held by a field: cogging and the gear's play (waves.py, play.py)
+    -> it runs, with steps of its speed: proof of the velocity and the position loop (proving.py)
+    -> the results are written (findings.py)
 
-Each part checks what it relies on and ends everything with a reason, FAULT_COMMISSION_*. What is found is written only
-when everything is. The current never exceeds the trip level, the rotor stays within the turn it was taken round, and
-whatever ends the torque ends commissioning (commission_abort). To verify is the winding's first phases and half an
-electrical turn to and fro, 1.2 deg at a 22:1 joint with 7 pole pairs; direction and offset are compared, not changed.
+Each part checks what it relies on; if that fails, commissioning ends with a reason, FAULT_COMMISSION_*. The results are
+written only when all are found. The current never exceeds the trip level, the rotor stays within the turn that the
+field took it round, and whatever ends the torque ends commissioning (commission_abort). Verifying takes the winding's
+first phases and half an electrical turn to and fro, 1.2 deg at a 22:1 joint with 7 pole pairs; direction and offset are
+compared, not changed.
 """
 
 from ..num.fixed import wrap_brad
@@ -48,7 +49,7 @@ from .winding import winding_step
 
 @hot
 def commission_start(commission: Commission, kind: int) -> None:
-    """Begin commissioning of ``kind`` with the next tick. pose_given and pose are the caller's."""
+    """Begin commissioning of ``kind`` with the next tick. The caller sets pose_given and pose."""
     commission.kind = kind
     commission.reason = FAULT_NONE
     commission.reason_value = 0
@@ -96,9 +97,9 @@ def commission_abort(loop: CurrentLoop, settings: JointSettings, commission: Com
 def commission_step(
     loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, commission: Commission
 ) -> int:
-    """Do one tick; return the phase, PHASE_IDLE when over. Then ``reason`` is 0 or says what stood against it.
+    """Do one tick; return the phase, PHASE_IDLE when over. ``reason`` is then 0 or why commissioning failed.
 
-    A full one takes 20 to 45 s by the pole pairs, to verify 5 s.
+    A full commissioning takes 20 to 45 s, depending on the pole pairs, a verification 5 s.
     """
     phase = commission.phase
     if phase == PHASE_IDLE:

@@ -6,9 +6,9 @@ from .faults import FAULT_NONE
 from .layout import WAVES
 
 COMMISSION_FULL = const(1)  # everything, from an unknown motor on: the rotor goes round once
-COMMISSION_VERIFY = const(2)  # direction and offset are compared with the stored ones, and nothing is changed
+COMMISSION_VERIFY = const(2)  # direction and offset are compared with the stored ones; nothing is changed
 STEPS = const(10)  # current steps in a tick
-COGS = const(512)  # places of the table in which the cogging is added up
+COGS = const(512)  # places of the table over which the cogging is added up
 
 
 @record
@@ -22,18 +22,18 @@ class Commission:
     reason_value: int = field("", "in the unit of that fault")
     pose_given: int = field("", "1: the joint stands at pose when commissioning starts")
     pose: int = field("rc", "joint-signed")
-    kept_kp: int = field("vu / cu", "the current loop's gain when commissioning ends, Q13")
+    kept_kp: int = field("vu / cu", "gain of the current loop once commissioning ends, Q13")
     kept_ki: int = field("vu / cu / step", "likewise")
     # at rest
     raw_sum: Ints = vector(3, "count", "phases a, b, c at rest, summed")
-    lowest: Ints = vector(4, "", "at rest, of phases a, b, c in counts and of the rotor in rc")
-    highest: Ints = vector(4, "", "likewise")
+    lowest: Ints = vector(4, "", "lowest readings at rest, of phases a, b, c in counts and of the rotor in rc")
+    highest: Ints = vector(4, "", "highest, likewise")
     rest_rotor: int = field("rc", "rotor when commissioning started")
     rest_joint: int = field("1/16384 joint turn", "joint encoder when commissioning started")
     # winding
     level: int = field("vu", "voltage that gives the commissioning current")
-    window: int = field("ticks", "that the next sums take")
-    current_high_q4: int = field("cu", "mean at that voltage")
+    window: int = field("ticks", "length of the next sums")
+    current_high_q4: int = field("cu", "mean current at that voltage")
     dead_q4: int = field("vu", "voltage lost to dead time, Q4")
     resistance: int = field("vu / cu", "of a phase, Q16")
     inductance_d: int = field("vu step / cu", "along the flux, Q16")
@@ -41,27 +41,27 @@ class Commission:
     # turn
     angle: int = field("brad", "angle of the field, not wrapped")
     travel: int = field("brad", "how far the field turns")
-    moved: int = field("rc", "rotor since the field began to turn")
+    moved: int = field("rc", "rotor's way since the field began to turn")
     rotor_last: int = field("rc", "rotor in the tick before")
-    joint_moved: int = field("1/16384 joint turn", "joint since then")
+    joint_moved: int = field("1/16384 joint turn", "joint's way since then")
     joint_last: int = field("1/16384 joint turn", "joint encoder in the tick before")
-    moved_first: int = field("rc", "rotor in the field's first turn")
-    moved_seen: int = field("rc", "rotor when the field had done a whole number of turns")
-    moved_forward: int = field("rc", "rotor on the first way forward")
-    joint_moved_forward: int = field("1/16384 joint turn", "joint on the first way forward")
+    moved_first: int = field("rc", "rotor's way in the field's first electrical turn")
+    moved_seen: int = field("rc", "rotor's way when the field last completed an electrical turn")
+    moved_forward: int = field("rc", "rotor's way on the first pass forward")
+    joint_moved_forward: int = field("1/16384 joint turn", "joint's way on the first pass forward")
     direction: int = field("", "found: +-1")
     pole_pairs: int = field("", "found")
     start_rotor: int = field("rc", "rotor when the field began to turn")
-    error_sum: int = field("brad rc", "field less rotor, over the rotor's way")
-    error_way: int = field("rc", "that way")
-    harmonic_sum: Ints = vector(4, "brad rc", "the same with cosine and sine of the rotor's angle and of twice that")
-    mean_back: int = field("brad", "field less rotor on the way back")
+    error_sum: int = field("brad rc", "field less rotor, times the rotor's way, summed")
+    error_way: int = field("rc", "sum of these ways")
+    harmonic_sum: Ints = vector(4, "brad rc", "the same times cosine and sine of the rotor's angle and of twice that")
+    mean_back: int = field("brad", "mean of field less rotor on the way back")
     lag: int = field("brad", "by which friction holds the rotor behind the field")
-    play_sum: int = field("rc^2", "of a round: joint encoder less rotor, over the rotor's way, in rc of the rotor")
+    play_sum: int = field("rc^2", "of a round: joint encoder less rotor, times the rotor's way, in rc of the rotor")
     offset_found: int = field("brad", "electrical offset found")
     bend: Ints = vector(4, "rc", "found: JointSettings.bend_cos1 and so on, Q4")
     # spin
-    centre: int = field("rc", "moved, about which the rotor swings")
+    centre: int = field("rc", "value of moved about which the rotor swings")
     sign: int = field("", "+-1: electrical direction in which the rotor is to turn")
     half_swings: int = field("", "half swings done")
     way: int = field("rc", "sum of all ways in the direction turned")
@@ -70,19 +70,19 @@ class Commission:
     flux: int = field("vu / (8 rate)", "found: JointSettings.bemf, Q16")
     current_change: int = field("cu", "sum of all changes of the current along the motion")
     # proofs of the loops
-    proved: int = field("", "error over answer of a current's sine, Q12, both axes; then bandwidth found, per cent")
-    repeated: int = field("", "times that the proof under way was measured again")
+    proved: int = field("", "error over response to a sine of the current, Q12, both axes; then bandwidth, per cent")
+    repeated: int = field("", "how often the present proof was measured again")
     velocity_w: int = field("rad / tick", "found: the velocity loop's bandwidth, the wanted one or less, Q16")
     run_ticks: int = field("ticks", "since a run's windows began; -1 before that")
-    goal: int = field("rc/256", "of the position loop, about centre, electrical-signed")
+    goal: int = field("rc/256", "goal of the position loop, from centre, electrical-signed")
     # mechanics
     away: int = field("rc", "from the middle of the swing, electrical-signed")
     swing_level: int = field("", "0: by the current; 1, 2: by the velocity loop; 3: likewise at half of the speed")
     swing_rate: int = field("rate", "speed of the swing")
-    swing_acceleration: int = field("rate/tick", "of its rate, where the velocity loop swings the rotor")
-    swing_reference: int = field("rate", "that rate, electrical-signed")
+    swing_acceleration: int = field("rate/tick", "acceleration with which the velocity loop swings the rotor")
+    swing_reference: int = field("rate", "rate wanted at present, electrical-signed")
     periods: int = field("", "whole swings done; -1 before the first")
-    period_ticks: int = field("ticks", "that they took")
+    period_ticks: int = field("ticks", "time that they took")
     impulse: int = field("cu ticks", "sum of the current, times 10")
     work_in: int = field("cu rc", "work of the current on the way to the middle, times 10 / 1024")
     work_out: int = field("cu rc", "on the way from it, likewise")
@@ -93,37 +93,37 @@ class Commission:
     friction_q4: Ints = vector(4, "cu", "at each level, Q4")
     speed_q4: Ints = vector(4, "rc/tick", "mean over the way, of each level, Q4")
     kept_outer: Ints = vector(5, "", "gains of the outer loops before commissioning (outer.py); the first 0: none")
-    inertia: int = field("cu / (rate / tick)", "found, with what hangs on the rotor, Q12")
+    inertia: int = field("cu / (rate / tick)", "found, with the load on the rotor, Q12")
     coulomb: int = field("cu", "found: friction at rest, Q4")
-    viscous: int = field("cu / rate", "found: what it grows by, Q16")
+    viscous: int = field("cu / rate", "found: how friction grows with the speed, Q16")
     backlash: int = field("rc", "found: rotor encoder against joint encoder, Q4; -1 without a joint encoder")
     # cogging
     field_q6: int = field("brad", "angle of the field that holds the rotor, 0 .. 65535, Q6")
     flux_taken: int = field("", "share of the flux that the current of that field takes, in 1/256")
-    creep_rounds: int = field("", "short rounds that have been crept")
-    creep_part: int = field("", "CREEP_*, of the round (creeping.py)")
-    wave: int = field("", "that is checked")
+    creep_rounds: int = field("", "short rounds done")
+    creep_part: int = field("", "CREEP_* of the round (creeping.py)")
+    wave: int = field("", "wave being checked")
     useless: int = field("", "waves that left too much of the ripple, bits")
-    ripple: Ints = vector(WAVES, "rate", "of the speed without the waves, so often a turn as each is, times 1.6")
-    creep_far: int = field("rc", "from the middle, as far as a round counts")
+    ripple: Ints = vector(WAVES, "rate", "ripple of the speed without the waves, at the order of each, times 1.6")
+    creep_far: int = field("rc", "distance from the middle within which a round counts")
     creep_settled: int = field("", "1: two short rounds have found the same first wave")
     order_before: int = field("", "the strongest wave in the round before: how often a turn")
     current_before: int = field("cu", "its amplitude, Q4")
     phase_before: int = field("brad", "its phase")
-    moved_last: int = field("rc", "in the tick before, electrical-signed")
+    moved_last: int = field("rc", "rotor's way in the tick before, electrical-signed")
     moved_before: int = field("rc", "in the tick before that")
-    current_last: int = field("cu", "of the tick before, times 10")
-    fold: int = field("", "how often a turn the table repeats: with each pole or, 1, not at all")
-    place_last: int = field("", "of the table, in the tick before")
-    order: int = field("", "how often the wave that the table is looked at for is in it")
-    order_last: int = field("", "the last of them")
-    place: int = field("", "of the table that comes next")
-    cosine_sum: int = field("cu rc", "of the table and that wave, times 10 / 256")
-    sine_sum: int = field("cu rc", "likewise")
+    current_last: int = field("cu", "current in the tick before, times 10")
+    fold: int = field("", "how often a turn the table repeats: once per pole, or 1")
+    place_last: int = field("", "place of the table in the tick before")
+    order: int = field("", "how often the wave that is looked for comes in the table")
+    order_last: int = field("", "last order to look for")
+    place: int = field("", "next place of the table")
+    cosine_sum: int = field("cu rc", "table times the cosine of that wave, times 10 / 256")
+    sine_sum: int = field("cu rc", "table times its sine, likewise")
     wave_order: Ints = vector(WAVES, "", "found: how often a turn, 0 none")
     wave_current: Ints = vector(WAVES, "cu", "found: amplitude, Q4")
-    wave_phase: Ints = vector(WAVES, "brad", "found: of the wave at the rotor's reading 0")
-    cogging: Ints = vector(COGS, "cu rc", "current over the rotor's way at each place of the table, times 10")
+    wave_phase: Ints = vector(WAVES, "brad", "found: phase at the rotor's reading 0")
+    cogging: Ints = vector(COGS, "cu rc", "current times the rotor's way at each place of the table, times 10")
 
 
 PHASE_IDLE = const(0)
@@ -149,7 +149,7 @@ PHASE_PROVE_POSITION = const(18)
 
 @hot
 def refuse(commission: Commission, reason: int, value: int) -> int:
-    """End with a reason, unless there is one already; return ``reason``."""
+    """End commissioning with a reason, unless there is one already; return ``reason``."""
     if commission.reason == FAULT_NONE:
         commission.reason = reason
         commission.reason_value = value

@@ -1,7 +1,8 @@
-"""Commutation: which electrical angle the current step takes, and the sine table that it looks it up in.
+"""Commutation: the electrical angle that the current step uses, and its sine table.
 
 The angle is electrical_gain times the rotor's count plus electrical_offset. A joint in use follows its rotor as stored;
-commissioning lets a field point anywhere, whatever the encoder says, or follow the rotor as found until then.
+commissioning makes a field point anywhere, whatever the encoder reads, or follows the rotor by what it has found so
+far.
 """
 
 from ..num.fixed import saturate, sin_q15
@@ -9,7 +10,7 @@ from ..runtime import const, hot
 from .commission_state import Commission
 from .layout import SINE_SIZE, CurrentLoop, JointSettings, JointState
 
-TABLE_HALF_STEP = const(32)  # brad, added to an angle so that its nearest entry of the table is taken
+TABLE_HALF_STEP = const(32)  # brad, added to an angle so that the nearest entry of the table is taken
 _STEP_SHIFT = const(6)  # brad between entries: 64
 _RATE_MOST = const(0x7FFFF)
 _LEAD_SHIFT = const(8)  # 4 brad a rate unit in 2560 steps, for the 2.5 steps from a reading until its voltage acts
@@ -19,9 +20,9 @@ _LEAD_SHIFT = const(8)  # 4 brad a rate unit in 2560 steps, for the 2.5 steps fr
 def fill_sine(loop: CurrentLoop) -> None:
     """Write the sine table, in Q15, to ``loop`` when a joint starts. Error 1 of Q15, from sin_q15.
 
-    1024 entries a turn and one quarter more, for the cosine. The step turns an entry (s, c) on by the rest r of the
-    angle, at most 32 brad, with s + c r and c - s r: error r^2 / 2 < 5e-6. It lies behind the places of ``loop``,
-    because each further array handed to a viper function costs it some 110 instructions a call.
+    1024 entries a turn and one quarter more, for the cosine. The step rotates an entry (s, c) by the rest r of the
+    angle, at most 32 brad, with s + c r and c - s r: error r^2 / 2 < 5e-6. The table is a part of ``loop``, because
+    each further array passed to a viper function costs some 110 instructions a call.
     """
     for at in range(SINE_SIZE):
         loop.sine[at] = sin_q15(at << _STEP_SHIFT)
@@ -45,7 +46,7 @@ def lead_angle(loop: CurrentLoop, settings: JointSettings, state: JointState) ->
     """Set electrical_offset so that the last reading of the rotor gives the angle at the samples; return it in brad.
 
     An answer of the encoder is one step old (``age`` 0 .. 2047, rate within +-(2^19 - 1)). Error at most 1 brad plus
-    what the rate is off. Intermediates: 2^19 * 2047 is below 2^30.
+    the rate's error. Intermediates: 2^19 * 2047 is below 2^30.
     """
     lead = saturate(state.rate, -_RATE_MOST, _RATE_MOST) * settings.age >> 16
     if loop.electrical_gain < 0:
@@ -56,7 +57,7 @@ def lead_angle(loop: CurrentLoop, settings: JointSettings, state: JointState) ->
 
 @hot
 def follow_rotor(loop: CurrentLoop, state: JointState, commission: Commission) -> None:
-    """Follow the rotor as found, led by what it goes until a voltage acts."""
+    """Follow the rotor by what commissioning found, ahead by the angle that it goes until a voltage acts."""
     lead = state.rate * commission.direction * commission.pole_pairs >> _LEAD_SHIFT
     commutate(loop, commission.pole_pairs, commission.direction, commission.offset_found + lead)
 

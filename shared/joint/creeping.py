@@ -1,10 +1,10 @@
-"""Commissioning's fifth part: the rotor creeps to and fro, and a table takes what that costs at each place.
+"""Commissioning's fifth part: the rotor creeps to and fro, and a table records what that takes at each place.
 
 Strong cogging would let the rotor hop from tooth to tooth, and a load behind the gear's play would swing against it, so
-it creeps slowly and a field holds it (holding.py). A short round is two electrical turns to and fro, for multiples of
-the poles: they repeat with each pole, and the table is one pole long. Another goes round the whole turn. When waves are
-checked the velocity loop alone turns the rotor, twice as fast, and the table takes its speed. waves.py says which round
-comes when.
+the rotor creeps slowly and a field holds it (holding.py). A short round covers two electrical turns to and fro, for
+multiples of the poles: these waves repeat with each pole, so the table is one pole long. A whole round covers the whole
+turn. To check waves, the velocity loop alone turns the rotor, twice as fast, and the table records its speed. waves.py
+chooses the rounds.
 """
 
 from ..num.fixed import saturate
@@ -21,16 +21,16 @@ from .spectrum import add_to_table, clear_table
 from .spinning import swing
 from .swinging import ask_rate, follow_rate
 
-CREEP_SHORT = const(0)  # a round over two electrical turns, a field holds the rotor
-CREEP_WHOLE = const(1)  # likewise round the whole turn
+CREEP_SHORT = const(0)  # over two electrical turns, held by a field
+CREEP_WHOLE = const(1)  # likewise over the whole turn
 CREEP_WITHOUT = const(2)  # over two electrical turns by the velocity loop alone, without the waves
 CREEP_WITH = const(3)  # likewise with them
 
 _HALF_TURN = const(8192)  # rc from the middle
 _SHORT = const(16384)  # rc from the middle, over the pole pairs: two electrical turns in all
-_MARGIN = const(320)  # rc beyond it: 7 degrees of the rotor to turn round in
+_MARGIN = const(320)  # rc beyond it: 7 degrees of the rotor in which to turn round
 _TICKS_MOST = const(20000)  # of a round
-_PAIRS_QUICK = const(14)  # with more the whole turn is crept round faster, for the time that it takes
+_PAIRS_QUICK = const(14)  # with more, a whole round creeps faster, to limit its time
 _CHANGE_MOST = const(511)  # rc/tick^2, of two ticks
 _CURRENT_MOST = const(0x7FFFF)  # cu, times 10
 _MOVED_MOST = const(1023)
@@ -38,7 +38,7 @@ _MOVED_MOST = const(1023)
 
 @hot
 def begin_round(loop: CurrentLoop, settings: JointSettings, commission: Commission, part: int) -> None:
-    """Begin a round CREEP_*, at 0.44 of the velocity loop's bandwidth for six waves a pole pair."""
+    """Begin a round CREEP_*; six waves per pole pair pass at 0.44 of the velocity loop's bandwidth."""
     pairs = saturate(commission.pole_pairs, 1, 50)
     rate = settings.velocity_w * 3 // (4 * pairs) + 1
     far = _SHORT // saturate(pairs, 2, 50)
@@ -71,7 +71,7 @@ def begin_round(loop: CurrentLoop, settings: JointSettings, commission: Commissi
 def creep_round(
     loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, commission: Commission
 ) -> int:
-    """Do one tick of a round; return 1 when it is over: there and back since the rotor turned round first."""
+    """Do one tick of a round; return 1 when it is over: there and back since the rotor first turned round."""
     d = loop.sum_current_d
     current = loop.sum_current_q
     probe_begin(loop, 1)
@@ -103,7 +103,7 @@ def creep_round(
 def stand_still(
     loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, commission: Commission
 ) -> None:
-    """Let the rotor stand for a tick, while the table is looked at."""
+    """Let the rotor stand for a tick, while the table is searched."""
     probe_begin(loop, 1)
     swing(loop, state, commission)
     follow_joint(io, commission)
@@ -115,7 +115,7 @@ def stand_still(
 
 @hot
 def _creep(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
-    """Turn the rotor on, faster on the way to where the round begins; from then on a field holds it, but in a check."""
+    """Turn the rotor on, faster on the way to where the round begins; from there a field holds it, but in a check."""
     far = commission.creep_far
     rate = commission.swing_rate
     at = commission.away * commission.sign
@@ -147,9 +147,10 @@ def _take_in(loop: CurrentLoop, settings: JointSettings, commission: Commission,
 
 @hot
 def _ripple_or_current(commission: Commission, change: int) -> int:
-    """Return what is added up for the tick before: while waves are checked the rotor's rate above the wanted.
+    """Return the value to add up for the tick before: in a check, the rotor's rate above the wanted one.
 
-    Else the current that the motion alone took, times 10, less the acceleration's: ``change`` of the way in two ticks.
+    Else the current that the motion alone took, times 10, less the acceleration's; ``change``: of the way, in two
+    ticks.
     """
     if commission.creep_part >= CREEP_WITHOUT:
         speed = commission.moved_last * commission.sign << 8

@@ -46,7 +46,7 @@ REQUEST_DISARM = const(2)
 REQUEST_QUICK_STOP = const(3)
 REQUEST_CLEAR = const(4)
 
-_NEVER = const(0xFFFF)  # age of a set-point there was not
+_NEVER = const(0xFFFF)  # age when there was no set-point
 
 
 @hot
@@ -180,7 +180,7 @@ def _age_setpoint(state: JointState, io: JointIo) -> None:
 
 @hot
 def _watch_setpoints(settings: JointSettings, state: JointState) -> None:
-    """Commission and homing take no set-points and end by themselves; everything else needs them."""
+    """Commissioning and homing take no set-points and end by themselves; everything else needs set-points."""
     if state.drive_state != STATE_OPERATION_ENABLED or state.purpose != MODE_OFF:
         return
     if state.setpoint_age <= settings.watchdog_ticks:
@@ -193,9 +193,9 @@ def _watch_setpoints(settings: JointSettings, state: JointState) -> None:
 def _latches(state: JointState, io: JointIo) -> int:
     """Return the cause that is a fault now, FAULT_NONE if there is none.
 
-    Before the hardware is ready the supply may still rise and sensors are not read: what these say is none yet. An
-    emergency stop is, and what the application found wrong with the hardware, which would keep it from ever getting
-    ready without a word; but for the gate driver's own fault, which is that of a missing supply.
+    While the hardware is not ready the supply may still rise and sensors are not read, so their causes are no faults
+    yet. An emergency stop is one, and so is what the application found wrong with the hardware: else the joint would
+    never get ready and not say why. The gate driver's own fault is not, because a missing supply causes it as well.
     """
     if state.drive_state != STATE_NOT_READY or state.cause == FAULT_EMERGENCY_STOP:
         return state.cause

@@ -1,7 +1,7 @@
-"""The encoders of a joint: turns counted without loss, speed by a tracking loop, the rotor's turn, disagreement.
+"""The encoders of a joint: turns counted without loss, speed by a tracking loop, homing, disagreement of the encoders.
 
-The rotor angle is kept as whole turns and a fraction, so nothing is lost in any number of turns up
-to +-(2^30 - 2). state.position is the same, joint-signed, from the joint's zero, within +-2^29 rc.
+The rotor angle is kept as whole turns and a fraction, so nothing is lost in any number of turns up to +-(2^30 - 2).
+state.position is the same, joint-signed, from the joint's zero, within +-2^29 rc.
 """
 
 from ..num.fixed import saturate
@@ -69,8 +69,8 @@ def encoder_resync(loop: CurrentLoop, state: JointState) -> None:
 def encoder_step(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
     """Take the rotor over once a millisecond: turns, fraction, position, rate, velocity; return state.position.
 
-    Exact for less than half a rotor turn a tick (500 turns/s). At the end of its range state.turns
-    stops at +-(2^30 - 2); range_exceeded is 1 from the moment state.position cannot follow any more.
+    Exact for less than half a rotor turn a tick (500 turns/s). At the end of its range state.turns stops at +-(2^30 -
+    2); range_exceeded is 1 from the moment state.position cannot follow any more.
     """
     moved = wrap_count(loop.rotor - state.fraction)
     fraction = state.fraction + moved
@@ -88,9 +88,9 @@ def encoder_step(loop: CurrentLoop, settings: JointSettings, state: JointState) 
 def track_rate(settings: JointSettings, state: JointState, moved: int) -> int:
     """Advance the tracking loop by ``moved`` rc, -8192 .. 8191, and return state.rate in rc/256 per tick.
 
-    A second-order loop with both poles at the same place: the predicted position lags by state.lag; track_1
-    of the lag corrects the position, track_2 the rate (Q12, 0 .. 4095). No error at constant rate
-    but the encoder's rounding. The lag is limited to +-(2^18 - 1), so products stay below 2^30.
+    A second-order loop with both poles at the same place. state.lag is the predicted position less the measured one;
+    track_1 of it corrects the position, track_2 the rate (Q12, 0 .. 4095). At a constant rate the only error is the
+    encoder's rounding. The lag is limited to +-(2^18 - 1), so products stay below 2^30.
     """
     lag = saturate(state.lag + state.rate - (moved << 8), -_LAG_MOST, _LAG_MOST)
     state.rate = saturate(state.rate - ((lag * settings.track_2 + 2048) >> 12), -_RATE_MOST, _RATE_MOST)
@@ -132,10 +132,10 @@ def watch_encoders(settings: JointSettings, state: JointState, io: JointIo) -> i
 
 @hot
 def choose_turn(settings: JointSettings, state: JointState, expected_rc: int) -> int:
-    """Set state.turns so that the position is nearest to ``expected_rc``; return what is left, expected minus position.
+    """Set state.turns so that the position is nearest to ``expected_rc``; return the rest, expected minus position.
 
-    expected_rc: joint-signed, within +-2^28. Result -8192 .. 8192: the position is right if the
-    expectation was less than half a rotor turn (8.18 deg of a 22:1 joint) off. Exact.
+    expected_rc: joint-signed, within +-2^28. Result -8192 .. 8192: the position is right if the expectation was less
+    than half a rotor turn (8.18 deg of a 22:1 joint) off. Exact.
     """
     wanted = expected_rc * settings.joint_sign + settings.zero - state.fraction
     state.turns = (wanted + 8192) >> 14

@@ -35,7 +35,7 @@ FAULT_EXCEPTION = const(41)  # where: 1 current step, 2 motion tick, 3 slow tick
 FAULT_POSITION_RANGE = const(42)  # turns at which the position left its range
 FAULT_STORAGE = const(43)  # 0
 FAULT_INTERRUPT_STOPPED = const(44)  # ms without a current step
-# commission and homing: the joint was asked to, and refuses
+# commissioning and homing: why they ended
 FAULT_COMMISSION_OFFSET = const(64)  # count, reading at no current
 FAULT_COMMISSION_NOISE = const(65)  # count, peak to peak at no current
 FAULT_COMMISSION_SUM = const(66)  # count, sum of the phases under current
@@ -62,7 +62,7 @@ FAULT_COMMISSION_CURRENT_LOOP = const(86)  # per cent: its bandwidth of the want
 FAULT_COMMISSION_VELOCITY_LOOP = const(87)  # likewise
 FAULT_COMMISSION_POSITION_LOOP = const(88)  # likewise
 FAULT_COMMISSION_PLAY = const(89)  # rc between rotor and joint encoder
-FAULT_COMMISSION_LOAD = const(90)  # ms that half of the current limit needs to the speed limit
+FAULT_COMMISSION_LOAD = const(90)  # ms that half of the current limit takes to the speed limit
 
 
 @hot

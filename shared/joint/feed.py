@@ -1,7 +1,7 @@
-"""What the current step is fed once a millisecond: modulator gains from the bus voltage, voltages known beforehand.
+"""What the current step gets once a millisecond: modulator gains from the bus voltage, and feed-forward voltages.
 
-Feed-forward: back-EMF (psi w on q), the coupling of the axes (w L i), the dead-time voltage along
-the current, all turned ahead by the angle the rotor goes from the samples until the voltage acts (1.5 steps).
+Feed-forward: back-EMF (psi w on q), the coupling of the axes (w L i), the dead-time voltage along the current, all
+rotated ahead by the angle the rotor goes from the samples until the voltage acts (1.5 steps).
 """
 
 from ..num.fixed import cos_q15, mul_q15, saturate, sin_q15

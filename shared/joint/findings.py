@@ -1,4 +1,4 @@
-"""What commissioning found becomes the joint's settings, all at once and only when everything is found."""
+"""Writes what commissioning found to the joint's settings, all at once and only when everything is found."""
 
 from ..num.fixed import ratio, saturate
 from ..runtime import const, hot

@@ -1,9 +1,9 @@
 """A field that turns as wanted holds the rotor like a spring, in the current step, and the velocity loop damps.
 
-Stiffer than any velocity loop can be: strong cogging does not let the rotor hop from tooth to tooth. Along the field
-flows the commissioning current, across it what the velocity loop asks for and what the waves add. What turns the rotor
-is the current across the flux, which its lag behind the field tells; where both axes' inductances differ, the current
-along the flux adds to the flux or takes from it.
+This is stiffer than any velocity loop: strong cogging does not let the rotor hop from tooth to tooth. The commissioning
+current flows along the field; across it flows what the velocity loop asks for and what the waves add. The rotor is
+turned by the current across its flux, which follows from its lag behind the field; where both axes' inductances differ,
+the current along the flux adds to the flux or takes from it.
 """
 
 from ..num.fixed import cos_q15, saturate, sin_q15, wrap_brad
@@ -23,7 +23,7 @@ _TAKEN_MOST = const(1023)  # in 1/256: its product with the largest current stay
 
 @hot
 def hold_rotor(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
-    """Turn the field on by a tick of swing_reference, from the rotor's angle when it begins; return its angle."""
+    """Turn the field by one tick of swing_reference, at first from the rotor's angle; return the field's angle."""
     pairs = commission.pole_pairs
     if loop.electrical_gain:
         commission.field_q6 = 4 * pairs * commission.direction * loop.rotor + commission.offset_found << 6
@@ -39,11 +39,12 @@ def hold_rotor(loop: CurrentLoop, settings: JointSettings, state: JointState, co
 
 @hot
 def turning_current(settings: JointSettings, commission: Commission, d: int, q: int, rotor: int, moved: int) -> int:
-    """Return the current across the flux, times 10, that turns a held rotor as much as the last tick's did.
+    """Return the current across the flux, times 10, that has the effect of the last tick's currents on the held rotor.
 
-    d, q: sums over that tick along and across the field, cu; rotor at its end, rc; moved in it, electrical-signed. What
-    flows along the rotor takes its share of the flux. A rotor a quarter of an electrical turn away is lost: refused.
-    Error 16 cu, and of the lag 1 brad for each pole pair. Intermediates: 2^15 * 2^14 * sqrt 2, and below 2^18 * 2^10.
+    d, q: sums over that tick along and across the field, cu; rotor at its end, rc; moved in it, electrical-signed. The
+    current along the rotor's flux takes its share of that. A rotor a quarter of an electrical turn away is lost:
+    refused. Error 16 cu, and of the lag 1 brad for each pole pair. Intermediates: 2^15 * 2^14 * sqrt 2, and below 2^18
+    * 2^10.
     """
     pairs = commission.pole_pairs
     middle = 4 * pairs * commission.direction * rotor - 2 * pairs * moved + commission.offset_found
@@ -62,7 +63,7 @@ def turning_current(settings: JointSettings, commission: Commission, d: int, q: 
 
 @hot
 def find_flux_taken(settings: JointSettings, commission: Commission) -> int:
-    """Find which share of the flux, in 1/256, the commissioning current takes: (Lq - Ld) i / flux; return it.
+    """Find the share of the flux, in 1/256, that the commissioning current takes: (Lq - Ld) i / flux; return it.
 
     Limited to 3/4. Error 0.01 of the flux and 2 %. Intermediates: 2^19 * 2^11.
     """

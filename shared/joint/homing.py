@@ -35,7 +35,7 @@ def homing_stop(state: JointState) -> None:
 
 @hot
 def homing_tick(settings: JointSettings, state: JointState) -> None:
-    """Do one tick before the cascade's; when homing is over, stand down, or raise the reason."""
+    """Do one tick before the cascade's; when homing is over, stand down, or raise the reason of its failure."""
     homing_step(settings, state)
     result = state.home_result
     if result == HOME_NO_STOP:
@@ -50,10 +50,10 @@ def homing_tick(settings: JointSettings, state: JointState) -> None:
 
 @hot
 def homing_step(settings: JointSettings, state: JointState) -> None:
-    """Watch for the stop before each tick of the cascade; home_rate is the rate to ask for, 0 when it is over.
+    """Watch for the stop before each tick of the cascade; home_rate is the rate to ask for, 0 when homing is over.
 
-    At the stop: slower than stall_rate with 3/4 of home_current for home_ticks. Then
-    home_result is HOME_DONE or HOME_AMBIGUOUS; without a stop in home_limit_ticks it is HOME_NO_STOP.
+    At the stop: slower than stall_rate with 3/4 of home_current for home_ticks. Then home_result is HOME_DONE or
+    HOME_AMBIGUOUS; without a stop in home_limit_ticks it is HOME_NO_STOP.
     """
     state.home_rate = 0
     if state.home_result != HOME_SEEKING:

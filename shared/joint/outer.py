@@ -1,7 +1,7 @@
-"""Gains of the velocity and position loops from the inertia found; and what they were before commissioning.
+"""Gains of the velocity and position loops from the inertia found; keeps those from before commissioning.
 
-kp = J w and ki = kp w / 4 of the velocity loop, half of kp to damp, and an acceleration that 0.6 of the current limit
-gives. The position loop's gain is its bandwidth, whatever turns.
+kp = J w and ki = kp w / 4 for the velocity loop, half of kp for damping, and the acceleration that 0.6 of the current
+limit gives. The position loop's gain is its bandwidth, whatever mass turns.
 """
 
 from ..num.fixed import saturate
@@ -17,7 +17,7 @@ _RATE_MOST = const(65535)
 
 @hot
 def set_outer_gains(settings: JointSettings, inertia_q12: int, w: int) -> int:
-    """Set what follows from an inertia in cu / (rate / tick), Q12; return 1, or 0 if the loops cannot have it.
+    """Set the gains for an inertia in cu / (rate / tick), Q12; return 1, or 0 if they are out of range.
 
     w 0 .. 20588 (Q16). The inertia's 2^18 times 2^12 (w >> 2) stays below 2^30. Error 1/2 of each and 0.1 %.
     """
@@ -40,7 +40,7 @@ def set_outer_gains(settings: JointSettings, inertia_q12: int, w: int) -> int:
 
 @hot
 def keep_outer(settings: JointSettings, commission: Commission) -> None:
-    """Remember the gains before commissioning."""
+    """Keep the gains from before commissioning."""
     kept = commission.kept_outer
     kept[0] = settings.velocity_p
     kept[1] = settings.velocity_i
@@ -51,7 +51,7 @@ def keep_outer(settings: JointSettings, commission: Commission) -> None:
 
 @hot
 def restore_outer(settings: JointSettings, commission: Commission) -> None:
-    """Go back to them, if there are any."""
+    """Restore these gains, if there are any."""
     kept = commission.kept_outer
     if kept[0] == 0:
         return

@@ -1,9 +1,9 @@
 """The gear's play: how much farther the joint lags behind the rotor on the way there than on the way back.
 
-What the magnets' seats and a gear ratio that is a little off do is the same both ways. Found while the rotor creeps to
-and fro (creeping.py): friction at the joint closes the play then. A load that rattles, or a turn too short for the play
-to close, hides a part of it and never adds to it, so the round that finds most counts. With the play comes what
-friction at the joint winds the gear's spring up by, 2 F / k: no rotor tells the one from the other.
+Off-centre magnets and a gear ratio that is a little off act alike both ways. The play is found while the rotor creeps
+to and fro (creeping.py): friction at the joint closes it then. A load that rattles, or a turn too short for the play to
+close, hides a part of it and never adds to it, so the round that finds most counts. The result includes the angle by
+which friction at the joint winds up the gear's spring, 2 F / k: the encoders cannot tell them apart.
 """
 
 from ..num.fixed import ratio, saturate
@@ -20,14 +20,14 @@ _SUM_MOST = const(0x1FFFFFFF)
 
 @hot
 def follow_joint(io: JointIo, commission: Commission) -> None:
-    """Add what the joint has moved since it was looked at last, less than half a turn."""
+    """Add how far the joint has moved since the last call, less than half a turn."""
     commission.joint_moved += wrap_count(io.joint_raw - commission.joint_last)
     commission.joint_last = io.joint_raw
 
 
 @hot
 def add_play(settings: JointSettings, commission: Commission, way: int) -> None:
-    """Add up joint encoder less rotor over the rotor's ``way``, electrical-signed.
+    """Add up joint encoder less rotor, times the rotor's ``way``, electrical-signed.
 
     The joint's counts grow up to 2^15 here, times a gear below 2^14: below 2^29. Ways of 2^15 in all, times 2^13: 2^28.
     """
@@ -40,7 +40,7 @@ def add_play(settings: JointSettings, commission: Commission, way: int) -> None:
 
 @hot
 def find_play(settings: JointSettings, commission: Commission) -> None:
-    """At the end of a round find the play in rc of the rotor, Q4, the most of all rounds."""
+    """At the end of a round find the play in rc of the rotor, Q4; the largest of all rounds counts."""
     if settings.has_joint_encoder == 0:
         return
     lag = 0 - commission.play_sum * commission.direction

@@ -1,6 +1,6 @@
-"""What the interrupt adds up while a joint commissions: currents and voltages, or a loop's answer to a sine.
+"""What the interrupt adds up in commissioning: currents and voltages, or a loop's response to a sine.
 
-A millisecond is longer than most windings' L / R; all else is done in the motion tick.
+A millisecond is longer than most windings' L / R; everything else is done in the motion tick.
 """
 
 from ..runtime import const, hot
@@ -14,7 +14,7 @@ _BRAD_Q14 = const(41722)  # 65536 / 2 pi a rad, of a bandwidth in Q12
 
 @hot
 def probe_begin(loop: CurrentLoop, sign: int) -> None:
-    """Add up from the next current step on, currents and voltages times ``sign``."""
+    """Begin to add up currents and voltages times ``sign``, from the next current step on."""
     loop.probing = 0  # the interrupt may come between any two of these
     loop.probe_sign = sign
     loop.probe_steps = 0
@@ -27,11 +27,9 @@ def probe_begin(loop: CurrentLoop, sign: int) -> None:
 
 @hot
 def probe_step(loop: CurrentLoop) -> int:
-    """Add one current step up, in the interrupt; where a voltage alternates, change its sign.
+    """Add up one current step, in the interrupt; change the sign of an alternating voltage.
 
-    Return the next sign, or the next current of a sine.
-
-    Up to 46 000 steps: 23170 of them times as much stay below 2^30.
+    Returns the next sign, or the next current of a sine. Up to 46 000 steps of 23170 each stay below 2^30.
     """
     if loop.probing > SUMS:
         return _sine_step(loop)
@@ -51,7 +49,7 @@ def probe_step(loop: CurrentLoop) -> int:
 
 @hot
 def sine_begin(loop: CurrentLoop, settings: JointSettings, probing: int) -> None:
-    """Begin to add a sine to the wanted current, a quarter of the commissioning current at current_w."""
+    """Begin to add a sine to the wanted current: a quarter of the commissioning current, at current_w."""
     probe_begin(loop, 1)
     loop.probing = 0
     loop.sine_at = 0
@@ -62,9 +60,9 @@ def sine_begin(loop: CurrentLoop, settings: JointSettings, probing: int) -> None
 
 @hot
 def _sine_step(loop: CurrentLoop) -> int:
-    """Add up answer and error with the sine and its cosine, and set the next current; return it.
+    """Add up response and error times the sine and its cosine, and set the next current; return it.
 
-    Up to 20000 steps: 24576 cu of them times as much stay below 2^30.
+    Up to 20000 steps of 24576 cu each stay below 2^30.
     """
     at = loop.sine_at >> 6
     sine = loop.sine[at]

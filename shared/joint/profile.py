@@ -1,7 +1,7 @@
-"""The trajectory limiter: a position that follows a target, also a moving one, within a speed and an acceleration.
+"""The trajectory limiter: a position follows a target, which may move, within limits of speed and acceleration.
 
-Each tick the wanted speed is the target's own plus what can still be braked away over the distance
-left, sqrt(2 a d), no more than the limit; the speed goes there by at most the acceleration.
+Each tick the wanted speed is the target's own plus the speed that can still be braked away over the distance left,
+sqrt(2 a d), no more than the limit; the speed changes towards it by at most the acceleration.
 """
 
 from ..num.fixed import isqrt, saturate

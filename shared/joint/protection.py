@@ -1,7 +1,7 @@
-"""What ends the torque: supply, current, speed, position, stall, encoders, temperatures. First found is state.cause.
+"""What must end the torque: supply, current, speed, position, stall, encoders, temperatures. Sets state.cause.
 
-Each check runs in every state, so that a cause that is still there also refuses clearing and arming.
-Limits that only act (derating) set LIMIT_* bits; what is found here is a fault.
+Each check runs in every state, so that a cause that is still there also refuses clearing and arming. Limits that only
+act (derating) set LIMIT_* bits; what is found here is a fault.
 """
 
 from ..num.fixed import isqrt, saturate
@@ -75,7 +75,7 @@ def count_above(ticks: int, value: int, limit: int) -> int:
 
 @hot
 def _check_current(loop: CurrentLoop, settings: JointSettings, state: JointState) -> None:
-    """Trip, voltage limit, sum of the phases; the last only under torque, so that commission can measure offsets."""
+    """Check trip, voltage limit and sum of the phases; the sum only under torque, and not while commissioning."""
     if loop.tripped:
         length = isqrt(loop.current_d * loop.current_d + loop.current_q * loop.current_q)
         report_cause(state, FAULT_OVER_CURRENT, length)
@@ -144,7 +144,7 @@ def _check_motion(settings: JointSettings, state: JointState) -> None:
 
 @hot
 def _check_stall(settings: JointSettings, state: JointState) -> None:
-    """A stall is: asked to move, all the current there is, and standing. Holding a load is none."""
+    """A joint stalls if it is asked to move, uses all the current there is, and stands. Holding a load is no stall."""
     slow = settings.stall_rate
     asked = state.rate_reference
     if asked < 0:

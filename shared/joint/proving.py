@@ -1,11 +1,10 @@
 """Commissioning's proofs: does each loop have the bandwidth that it was given?
 
-Current: a small sine at the wanted bandwidth, added up in the interrupt. At its bandwidth a loop's answer is as large
-as what it still misses, whatever comes late: |L| = 1. Of d and q the mean is taken, because both have the gain of the
-mean inductance. Velocity: the rotor runs, and steps of its speed up and down again take the momentum of the inertia
-that turns: the bandwidth is kp / J. Friction and a load that pulls have no share in it. Position: steps ahead and back
-on the run; p times the area of the error in three time constants is 0.87 of the step, as a model of the loops in each
-other has it.
+Current: a small sine at the wanted bandwidth, added up in the interrupt. At its bandwidth a loop's response is as large
+as its error, whatever the delays: |L| = 1. The mean of d and q is taken, because both have the gain for the mean
+inductance. Velocity: the rotor runs, and steps of its speed up and down again take the momentum of the inertia that
+turns: the bandwidth is kp / J. Friction and a load that pulls cancel. Position: steps ahead and back during the run; p
+times the area of the error in three time constants is 0.87 of the step, by a model of the nested loops.
 """
 
 from ..num.fixed import hypot, ratio, saturate
@@ -22,26 +21,26 @@ from .swinging import follow_rate
 _SINE_TICKS = const(256)
 _LEAST = const(85)  # per cent of the wanted bandwidth
 _MOST = const(115)
-_LEAST_OUTER = const(67)  # of velocity and position; of 78 motors whose cogging was held against 82 .. 132
+_LEAST_OUTER = const(67)  # of velocity and position; 78 motors with their cogging compensated had 82 .. 132
 _MOST_OUTER = const(150)
-_LOWER_VELOCITY = const(75)  # below, a quarter less bandwidth is tried
+_LOWER_VELOCITY = const(75)  # below this, a quarter less bandwidth is tried
 _SHARE_MOST = const(999)  # per cent
 _WINDOW = const(786432)  # of a velocity step: 12 / w, for w in rad / tick, Q16
 _WINDOW_MOST = const(500)  # ticks
-_RUN = const(224694)  # rc/256: what a run's slower speed times a window is, so that seven are 3/8 turn
+_RUN = const(224694)  # rc/256: a run's slower speed times a window, so that seven windows are 3/8 turn
 _RUNS = const(4)  # of the velocity loop, to and fro
 _RUNS_POSITION = const(2)
-_REPEATS_POSITION = const(2)  # of a measurement that refuses, twice as fast
+_REPEATS_POSITION = const(2)  # of a measurement that fails, twice as fast
 _TICKS_MOST = const(16000)  # of the runs with one bandwidth
 _CONSTANTS = const(49152)  # ticks times position_p: three time constants of the position loop
-_AREA = const(87)  # per cent of a step over p: 87 with 3.75 times the bandwidth within, 85 with 2.5 times, 90 with 6
+_AREA = const(87)  # per cent of a step over p, if the inner loop has 3.75 times the bandwidth; 85 with 2.5, 90 with 6
 _ERROR_MOST = const(8191)  # rc
 _IMPULSE_MOST = const(0x1FFFFFFF)
 
 
 @hot
 def prove_current(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Do one tick; return 1 when both axes of the current loop are done and have their bandwidth."""
+    """Do one tick; return 1 when both axes of the current loop are measured and have their bandwidth."""
     if loop.probing < SINE_ON_D:
         loop.level_current = settings.commission_current
         commission.proved = 0
@@ -75,7 +74,7 @@ def prove_begin(settings: JointSettings, commission: Commission) -> None:
 
 @hot
 def _begin_velocity(settings: JointSettings, commission: Commission) -> None:
-    """Run with the gains of commission.velocity_w; the second time twice as fast, over strong cogging."""
+    """Run with the gains of commission.velocity_w; the second time twice as fast, to get over strong cogging."""
     set_outer_gains(settings, commission.inertia, commission.velocity_w)
     window = saturate(_WINDOW // saturate(commission.velocity_w, 1, 20588), 8, _WINDOW_MOST) >> commission.repeated
     commission.window = window
@@ -116,7 +115,7 @@ def prove_step(loop: CurrentLoop, settings: JointSettings, state: JointState, co
 def _run_velocity(
     loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission, current: int, moved: int
 ) -> None:
-    """One tick of a run: slow, fast, slow, five windows; all but the middle of each count."""
+    """Do one tick of a run, of five windows: slow, fast, fast, slow, slow."""
     slow = commission.swing_rate
     ticks = commission.run_ticks
     window = commission.window
@@ -137,10 +136,11 @@ def _run_velocity(
 
 @hot
 def _weigh(commission: Commission, ticks: int, current: int, moved: int) -> None:
-    """Add a tick up.
+    """Add up a tick with its weight.
 
-    The mean speed of a window changes by what acts in it, growing from none to all, and from all to none in the next.
-    Two changes, up less down: what is the same both ways (friction, a load) or grows with the speed has no weight.
+    The mean speed changes from window 0 to 2 by the current, weighted from 0 up to 1 in window 0, and down to 0 again
+    in window 2. From 2 to 4 it is the same with the other sign: what acts alike both ways (friction, a load), or grows
+    with the speed, cancels.
     """
     window = saturate(commission.window, 1, _WINDOW_MOST)
     part = ticks // window
@@ -166,7 +166,7 @@ def _weigh(commission: Commission, ticks: int, current: int, moved: int) -> None
 def _end_velocity(settings: JointSettings, commission: Commission) -> None:
     """Find the bandwidth in per cent of the wanted one; go on with the position loop.
 
-    What is poor is measured once more. A load that rattles in the gear's play swallows what the loop gives: then a
+    A poor one is measured once more. A load that rattles in the gear's play swallows what the loop gives: then a
     quarter less bandwidth is tried, twice.
     """
     inertia = ratio(commission.impulse, saturate(commission.way, 1, 0x3FFFFFF), 4)
@@ -204,7 +204,7 @@ def _begin_position(settings: JointSettings, commission: Commission) -> None:
 
 @hot
 def _run_position(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
-    """One tick of a run: the position loop takes over, and after a window its goal jumps; return 1 after the last."""
+    """Do one tick of a run: the position loop takes over, after a window its goal jumps. Return 1 after the last."""
     slow = commission.swing_rate
     window = commission.window
     ticks = commission.run_ticks
@@ -227,7 +227,7 @@ def _run_position(loop: CurrentLoop, settings: JointSettings, state: JointState,
 def _hold_position(
     loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission, jump: int
 ) -> int:
-    """The position loop, and the sum of its error after the jump; return 1 after the last run."""
+    """Run the position loop and add up its error after the jump; return 1 after the last run."""
     error = saturate((commission.goal >> 8) - commission.away, -_ERROR_MOST, _ERROR_MOST)
     ticks = commission.run_ticks
     window = commission.window

@@ -1,4 +1,4 @@
-"""Commissioning before any current: with the bridge off, what the sensors read at rest, the supply, a still rotor."""
+"""Commissioning before any current flows: with the bridge off, the sensors' readings, the supply, a rotor at rest."""
 
 from ..runtime import const, hot
 from .bend import fill_bend
@@ -18,7 +18,7 @@ from .layout import CurrentLoop, JointIo, JointSettings, JointState
 from .outer import keep_outer
 
 _ROTOR = const(3)  # its place in lowest and highest, behind the phases
-_FRESH_TICKS = const(4)  # until the rotor is read without the old table
+_FRESH_TICKS = const(4)  # until the rotor's readings are without the old table
 _REST_TICKS = const(256)
 _REST_SHIFT = const(8)  # of these
 _NOISE_MOST = const(24)  # counts peak to peak: 0.1 A
@@ -83,7 +83,7 @@ def _check_rest(loop: CurrentLoop, settings: JointSettings, state: JointState, c
 
 @hot
 def _extremes(commission: Commission, place: int, value: int) -> None:
-    """Take in a value of the lowest and highest at ``place``."""
+    """Update the lowest and highest at ``place`` with a value."""
     if value < commission.lowest[place]:
         commission.lowest[place] = value
     if value > commission.highest[place]:

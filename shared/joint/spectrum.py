@@ -1,6 +1,6 @@
-"""The table of a round of creeping, 512 places, and how much of it is a wave of so many in the table.
+"""The table of a creeping round, 512 places, and the amplitude in it of a wave of a given number per table.
 
-What is added up at each place is weighted by the way, both ways: friction cancels, and so does what comes late.
+The values of each place are weighted by the rotor's way in both directions: friction cancels, and so do delays.
 """
 
 from ..num.fixed import hypot, ratio, saturate
@@ -8,7 +8,7 @@ from ..runtime import const, hot
 from .commission_state import COGS, Commission
 from .layout import COSINE_AT, CurrentLoop
 
-_PLACES = const(128)  # of the table in a tick
+_PLACES = const(128)  # of the table that are searched in a tick
 _SINE_STEPS = const(1023)  # of the sine table, less one
 _TABLE_MOST = const(0x1FFFFFFF)
 
@@ -33,7 +33,7 @@ def add_to_table(commission: Commission, value: int) -> None:
 
 @hot
 def look_for(commission: Commission, order: int) -> int:
-    """Begin to look at the table for a wave, ``order`` times in it; return that."""
+    """Begin to search the table for a wave that comes ``order`` times in it; return that."""
     commission.order = order
     commission.place = 0
     commission.cosine_sum = 0
@@ -43,7 +43,7 @@ def look_for(commission: Commission, order: int) -> int:
 
 @hot
 def look_at_table(loop: CurrentLoop, commission: Commission) -> int:
-    """Multiply a quarter of the table with the wave; return 1 when that was the last, else 0."""
+    """Multiply a quarter of the table by the wave; return 1 after the last quarter, else 0."""
     begin = commission.place
     cosine = commission.cosine_sum
     sine = commission.sine_sum
@@ -62,9 +62,9 @@ def look_at_table(loop: CurrentLoop, commission: Commission) -> int:
 
 @hot
 def wave_amplitude(commission: Commission) -> int:
-    """Return the amplitude of the wave that was looked for, in cu, Q4, or in rate when that was added up.
+    """Return the amplitude of the wave that was searched for, in cu, Q4, or in rate if that was added up.
 
-    A place is as wide as 1/512 table: its mean is sin(x) / x of what it holds in the middle, x = pi order / 512.
+    A place is 1/512 of the table wide: its mean is sin(x) / x of the wave in its middle, x = pi order / 512.
     """
     order = commission.order
     sums = hypot(commission.cosine_sum, commission.sine_sum)

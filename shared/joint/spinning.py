@@ -1,10 +1,10 @@
 """Commissioning's third part: the rotor swings to and fro by itself, and its back-EMF gives the flux linkage.
 
-It turns a quarter of a turn to either side of the middle, the current across the flux falling to none at half of the
-speed limit. A current along the flux stays, so that dead time takes all it can of every phase, in a known direction.
-Over whole swings, what the current loop had to give less R i, L di/dt, w L i and dead time is the flux linkage times
-the angle gone, whatever the load. What of it lies on the d axis says how far the offset is off, without friction or
-gravity in it.
+It turns a quarter of a turn to either side of the middle; the current across the flux falls to 0 at half of the speed
+limit. A current along the flux stays, so that dead time takes all it can of every phase, in a known direction. Over
+whole swings, the current loop's voltage less R i, L di/dt, w L i and dead time is the flux linkage times the angle
+travelled, whatever the load. The part of it on the d axis shows the error of the offset, without friction or gravity in
+it.
 """
 
 from ..num.fixed import atan2_brad, hypot, ratio, saturate
@@ -28,7 +28,7 @@ _BEMF_MOST = const(16383)  # of the parameter
 
 @hot
 def spin_begin(loop: CurrentLoop, commission: Commission) -> int:
-    """Hand what was found to the current step and begin to swing; return PHASE_SPIN."""
+    """Hand the results so far to the current step and begin to swing; return PHASE_SPIN."""
     fill_bend(loop, commission.bend[0], commission.bend[1], commission.bend[2], commission.bend[3])
     commutate(loop, commission.pole_pairs, commission.direction, commission.offset_found)
     loop.reference_d = loop.reference_d >> 1
@@ -60,7 +60,7 @@ def spin_step(loop: CurrentLoop, settings: JointSettings, state: JointState, com
 
 @hot
 def swing(loop: CurrentLoop, state: JointState, commission: Commission) -> int:
-    """Follow the rotor, and lead the commutation if that follows too; return how far it moved, rc, electrical sign."""
+    """Follow the rotor, and update the commutation unless a field is forced; return the way, rc, electrical-signed."""
     moved = wrap_count(loop.rotor - commission.rotor_last)
     commission.rotor_last = loop.rotor
     commission.moved += moved
@@ -74,7 +74,7 @@ def swing(loop: CurrentLoop, state: JointState, commission: Commission) -> int:
 
 @hot
 def turn_round(commission: Commission) -> int:
-    """Change the direction a quarter of a turn from the middle; return it."""
+    """Reverse the direction a quarter of a turn from the middle; return it."""
     if commission.away * commission.sign > _QUARTER:
         commission.sign = 0 - commission.sign
         commission.half_swings += 1
@@ -101,7 +101,7 @@ def swing_current(settings: JointSettings, state: JointState, commission: Commis
 
 @hot
 def _push(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> None:
-    """Ask for the swing's current and sum up what it costs in voltage besides resistance."""
+    """Set the swing's current, and add up the voltage that it costs besides resistance."""
     sign = commission.sign
     current = swing_current(settings, state, commission, swing_rate(settings, commission))
     commission.current_change += (current - loop.reference_q) * sign
@@ -113,7 +113,7 @@ def _push(loop: CurrentLoop, settings: JointSettings, state: JointState, commiss
 
 @hot
 def _find_flux(loop: CurrentLoop, commission: Commission) -> int:
-    """Find flux linkage and offset from the sums; return 1, or 0 if it can be none.
+    """Find flux linkage and offset from the sums; return 1, or 0 if no motor has such a flux.
 
     Sums of voltage stay below 2^28 in 4 s of 10 steps a tick, those of current below 2^27 (most of it cancels).
     """

@@ -1,12 +1,12 @@
 """Commissioning's fourth part: the rotor swings to and fro, and work and energy give inertia and friction.
 
-From where the rotor turns round to the middle the current does the work J v^2 / 2 + F s, from there to where it turns
-round again F s - J v^2 / 2. Their difference is the inertia, their sum the friction, whatever holds the rotor by its
-angle alone (cogging), because that gives back what it takes. A load that pulls one way is what the current is on the
-mean. The middle is a stretch, over which the work goes over from the one sum to the other: the speed is the mean over
-it, and so has to be what holds the rotor there. First the current swings the rotor as in spinning.py, which gives the
-velocity loop a gain to begin with; then that loop does, so gently that the gear's play costs nothing, at two speeds:
-the friction's share that grows.
+From where the rotor reverses to the middle the current does the work J v^2 / 2 + F s, from the middle to where it
+reverses again F s - J v^2 / 2. Their difference gives the inertia, their sum the friction. A torque that depends on the
+angle alone (cogging) gives back the work that it takes. A load that pulls one way is the mean of the current. The
+middle is a stretch, over which the work passes gradually from one sum to the other: the speed is a mean over it, so the
+torques there must be too. First the current swings the rotor as in spinning.py, which gives the velocity loop a first
+gain. Then that loop swings it, so gently that the gear's play costs nothing, at two speeds, to find the part of the
+friction that grows with the speed.
 """
 
 from ..num.fixed import isqrt, ratio, saturate
@@ -19,12 +19,12 @@ from .outer import set_outer_gains
 from .probe import probe_begin
 from .spinning import swing, swing_current, swing_rate, turn_round
 
-_LEVELS = const(4)  # by the current; by the velocity loop; likewise with a better gain; at half of that speed
+_LEVELS = const(4)  # by the current; by the velocity loop; again with a better gain; at half of that speed
 _PERIODS = const(3)
 _TICKS_MOST = const(8000)  # of a level: 8000 times ten currents of 12288 stay below 2^30
 _WORK_MOST = const(0x3FFFFFF)
 _MOVED_MOST = const(1023)
-_MIDDLE = const(1024)  # rc to either side: as long is the middle, 1/8 turn in all
+_MIDDLE = const(1024)  # rc to either side of the middle, 1/8 turn in all
 _BRAKING = const(4000)  # rc: twice the way in which the velocity loop brings the rotor to rest
 _SLOW_MOST = const(300)  # ticks to the speed limit with half of the current (chosen; the parallel robot's need 110)
 _LEAST = const(512)  # slowest swing, rate: 2 rc a tick
@@ -32,7 +32,7 @@ _LEAST = const(512)  # slowest swing, rate: 2 rc a tick
 
 @hot
 def mechanics_begin(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> None:
-    """Begin to swing with current across the flux alone."""
+    """Begin to swing, with current across the flux only."""
     loop.reference_d = 0
     commission.swing_level = 0
     commission.swing_rate = swing_rate(settings, commission)
@@ -80,14 +80,14 @@ def mechanics_step(loop: CurrentLoop, settings: JointSettings, state: JointState
 
 @hot
 def follow_rate(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> None:
-    """Let the velocity loop follow a rate that goes to and fro at an even acceleration."""
+    """Let the velocity loop follow a rate that goes to and fro with a constant acceleration."""
     ask_rate(settings, state, commission)
     write_current(loop, settings, state)
 
 
 @hot
 def ask_rate(settings: JointSettings, state: JointState, commission: Commission) -> None:
-    """The same without handing the current on."""
+    """Do the same without handing the current to the current step."""
     wanted = commission.swing_rate * commission.sign
     most = commission.swing_acceleration
     reference = commission.swing_reference * commission.sign
@@ -100,9 +100,9 @@ def ask_rate(settings: JointSettings, state: JointState, commission: Commission)
 
 @hot
 def _add(commission: Commission, before: int, moved: int, current: int) -> None:
-    """Add the work of one tick up, from one side to the other over the middle.
+    """Add up the work of one tick; it passes from one sum to the other over the middle.
 
-    A period begins and ends where the middle is passed upwards; the first passage is waited for. Intermediates: 2^16 *
+    A period begins and ends where the middle is passed upwards; sums begin at the first passage. Intermediates: 2^16 *
     2^11.
     """
     work = saturate(current * moved, -_WORK_MOST, _WORK_MOST) + 512 >> 10
@@ -168,7 +168,7 @@ def _check_load(settings: JointSettings, commission: Commission) -> int:
 
 @hot
 def _choose_acceleration(settings: JointSettings, commission: Commission) -> None:
-    """Choose acceleration and speed: braking takes _BRAKING / 2, and no more than a quarter of the current limit."""
+    """Choose acceleration and speed: braking takes _BRAKING / 2, and at most a quarter of the current limit."""
     rate = saturate(commission.swing_rate, _LEAST, 0x3FFFF) >> 4
     most = (settings.commission_current << 11) // saturate(commission.inertia, 1, 0x3FFFF)
     acceleration = rate * rate // _BRAKING + 1
@@ -194,7 +194,7 @@ def _find_inertia(settings: JointSettings, commission: Commission) -> None:
 
 @hot
 def _find_friction(commission: Commission) -> None:
-    """Find the friction at rest and what it grows by with the speed; neither is below 0."""
+    """Find the friction at rest and its growth with the speed; neither is below 0."""
     slower = commission.speed_q4[2] - commission.speed_q4[3]
     more = commission.friction_q4[2] - commission.friction_q4[3]
     commission.viscous = ratio(more, slower, 8)

@@ -1,8 +1,8 @@
-"""Temperatures: sensors through curves that are data, a two-node model of the winding, derating, I2t.
+"""Temperatures: sensors with curves as data, a two-node model of the winding, derating, I2t.
 
-Model, per slow tick (J/K and K/W are in the gains the host made): the winding is heated by 1.5 R i^2, with R of
-copper at the winding's temperature, and leaks to the housing, the housing to the air. A thermistor
-between the windings lags behind the copper, so the hotter of sensor and model counts.
+Model, per slow tick (J/K and K/W are in the gains the host made): the winding is heated by 1.5 R i^2, with R of copper
+at the winding's temperature, and leaks to the housing, the housing to the air. A thermistor between the windings lags
+behind the copper, so the hotter of sensor and model counts.
 """
 
 from ..num.fixed import fall_q15, saturate
@@ -110,7 +110,7 @@ def _i2t_share(settings: JointSettings, state: JointState, square: int) -> int:
 
 @hot
 def _slow_cause(state: JointState, code: int, value: int) -> None:
-    """Keep the first cause of slowing down, with its number."""
+    """Keep the first cause of a fault in this slow tick, with its value."""
     if state.slow_cause == 0:
         state.slow_cause = code
         state.slow_value = value
@@ -120,9 +120,9 @@ def _slow_cause(state: JointState, code: int, value: int) -> None:
 def thermistor_t16(curve: Ints, raw: int) -> int:
     """Return the temperature of a reading from a curve: the counts of CURVE_POINTS points, then their temperatures.
 
-    The curve is data, so NTC and PTC are the same here: the host puts points where the curve bends. Straight between
-    points, beyond the first and the last their temperature. Counts 0 .. 4095, not falling; temperatures within +-2^16.
-    Error at most 1 t16 plus the curve's own. Below 2^30.
+    The curve is data, so NTC and PTC are the same here: the host puts points where the curve bends. Linear between
+    points, constant beyond the first and the last. Counts 0 .. 4095, not falling; temperatures within +-2^16. Error at
+    most 1 t16 plus the curve's own. Below 2^30.
     """
     at = 0
     half = CURVE_POINTS >> 1
@@ -141,8 +141,8 @@ def thermistor_t16(curve: Ints, raw: int) -> int:
 def mcu_t16(raw: int, cal1: int, cal2: int) -> int:
     """Return the STM32F405's temperature from its sensor: 30 + (raw - cal1) 80 / (cal2 - cal1) degrees C.
 
-    cal1 and cal2 are the factory's readings at 30 and 110 degrees C (datasheet section 5.3.22); all
-    0 .. 4095. Error 1 t16. With cal1 = cal2 there is no calibration: 32767, which nothing takes for cold.
+    cal1 and cal2 are the factory's readings at 30 and 110 degrees C (datasheet section 5.3.22); all 0 .. 4095. Error 1
+    t16. With cal1 = cal2 there is no calibration: 32767, which nobody takes for cold.
     """
     span = cal2 - cal1
     if span == 0:
@@ -182,7 +182,7 @@ def model_step(settings: JointSettings, state: JointState, square: int) -> int:
 
 @hot
 def copper_share(winding_t16: int) -> int:
-    """Return by which share copper's resistance at a temperature is above that at 25 degrees C, in Q14, -4025 .. 16379.
+    """Return the share by which copper's resistance is above that at 25 degrees C, in Q14, -4025 .. 16379.
 
     winding_t16 within +-2^29: below -37 degrees C that of -37, above 279 that of 279. Error 1.
     """

@@ -1,4 +1,4 @@
-"""A joint's calls in their order: everything once, the motion tick a thousand times a second.
+"""A joint's calls in their order: the reset once, the motion tick a thousand times a second.
 
 The current step is in current.py and may interrupt motion_tick at any place; slow_tick, ten times a second, is in
 thermal.py.
@@ -54,7 +54,7 @@ def motion_tick(
 
 @hot
 def begin_commission(state: JointState, commission: Commission, kind: int) -> int:
-    """Choose the commission that arming for MODE_COMMISSIONING will run; return its kind, 0 if one is running."""
+    """Choose the commissioning that arming for MODE_COMMISSIONING will run; return its kind, 0 if one is running."""
     if state.mode == MODE_COMMISSIONING:
         return 0
     commission_start(commission, kind)
@@ -89,7 +89,7 @@ def _change_mode(
 
 @hot
 def _act(loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, commission: Commission) -> int:
-    """Do what the mode wants: commission, home, follow the set-points or brake; return what feed_voltages does."""
+    """Do what the mode wants: commission, home, follow the set-points or brake; return what feed_voltages returns."""
     if state.torque == TORQUE_DRIVE and state.mode == MODE_COMMISSIONING:
         return _commission(loop, settings, state, io, commission)
     waves = 0
@@ -113,7 +113,7 @@ def _act(loop: CurrentLoop, settings: JointSettings, state: JointState, io: Join
 def _commission(
     loop: CurrentLoop, settings: JointSettings, state: JointState, io: JointIo, commission: Commission
 ) -> int:
-    """One tick of commission; when it is over, stand down, or raise its reason."""
+    """Do one tick of commissioning; when it is over, stand down, or raise its reason."""
     state.current_reference = 0
     kind = commission.kind
     running = commission_step(loop, settings, state, io, commission)

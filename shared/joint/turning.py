@@ -1,8 +1,8 @@
 """Commissioning's second part: the field takes the rotor round once, back, and round again.
 
-The first way gives direction, pole pairs and the joint encoder's sign. On the other two the angle between field and
-rotor gives the offset as the mean of both ways, in which friction cancels, and its harmonics once and twice a turn the
-eccentricity of the rotor encoder. To verify, the field turns half an electrical turn only.
+The first pass gives direction, pole pairs and the joint encoder's sign. On the other two, the angle between field and
+rotor gives the offset, as the mean of both directions, in which friction cancels, and the eccentricity of the rotor
+encoder, as the harmonics once and twice a turn. To verify, the field turns by half an electrical turn only.
 """
 
 from ..num.fixed import cos_q15, hypot, saturate, sin_q15
@@ -36,7 +36,7 @@ _BEND_MOST = const(2549)  # rc in Q4: 3.5 degrees
 
 @hot
 def turn_step(loop: CurrentLoop, settings: JointSettings, io: JointIo, commission: Commission) -> int:
-    """Do one tick; return 1 when the last way is done and what it gave is found."""
+    """Do one tick; return 1 when the last pass is done and its results are found."""
     step = _VERIFY_STEP
     if commission.kind == COMMISSION_FULL:
         step = _STEP
@@ -72,7 +72,7 @@ def _begin(loop: CurrentLoop, io: JointIo, commission: Commission) -> None:
 
 @hot
 def _forward(loop: CurrentLoop, settings: JointSettings, io: JointIo, commission: Commission, step: int) -> None:
-    """Turn on until the rotor has gone round, or the field its travel, and check that it follows."""
+    """Turn the field until the rotor has gone round, or the field has done its travel; check that the rotor follows."""
     moved = commission.moved
     if moved < 0:
         moved = -moved
@@ -95,7 +95,7 @@ def _forward(loop: CurrentLoop, settings: JointSettings, io: JointIo, commission
 
 @hot
 def _check_turn(commission: Commission, moved: int) -> None:
-    """After each electrical turn the rotor must have moved on, at least half as far as in the first."""
+    """Check after each electrical turn that the rotor has moved on, at least half as far as in the first."""
     first = commission.moved_first
     if first == 0:
         commission.moved_first = moved
@@ -128,7 +128,7 @@ def _check_pairs(settings: JointSettings, commission: Commission, moved: int) ->
 
 @hot
 def _check_joint_encoder(settings: JointSettings, io: JointIo, commission: Commission) -> int:
-    """The joint must have moved by the rotor's way through the gear, within a quarter and 8 counts."""
+    """Check that the joint moved by the rotor's way through the gear, within a quarter and 8 counts."""
     if settings.has_joint_encoder == 0 or settings.gear_q8 < 1:
         return FAULT_NONE
     moved = commission.joint_moved_forward
@@ -143,9 +143,9 @@ def _check_joint_encoder(settings: JointSettings, io: JointIo, commission: Commi
 
 @hot
 def _compare(loop: CurrentLoop, commission: Commission, way: int) -> None:
-    """Add up field less rotor over the rotor's ``way``, also with both harmonics.
+    """Add up field less rotor, times the rotor's ``way``, also with both harmonics.
 
-    Weighted by the way, what repeats many times a turn (cogging) leaves the harmonics alone. Two ways of 2^14 rc times
+    With this weight, what repeats many times a turn (cogging) does not disturb the harmonics. Two ways of 2^14 rc times
     2^14 brad: below 2^30.
     """
     error = commission.angle - 4 * commission.pole_pairs * commission.direction * commission.moved
@@ -167,7 +167,7 @@ def _add_harmonic(commission: Commission, place: int, angle: int, error: int, wa
 
 @hot
 def _end(settings: JointSettings, commission: Commission) -> int:
-    """Go on with the next way; after the last find friction, offset and eccentricity, and return 1."""
+    """Go on with the next pass; after the last one find friction, offset and eccentricity, and return 1."""
     way = commission.error_way
     if way < 1:
         refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)

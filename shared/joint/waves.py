@@ -1,7 +1,7 @@
-"""Which waves the cogging has: rounds of creeping (creeping.py), and after each a look at its table (spectrum.py).
+"""Which waves the cogging has: creeping rounds (creeping.py), and after each a search of its table (spectrum.py).
 
-First short rounds, for multiples of the poles. The strongest wave of what one found acts on the next. A wave that the
-next round finds again, though another one or none acted before, is right and stays. Then the rotor creeps round the
+First come short rounds, for multiples of the poles. The strongest wave that one finds acts in the next. A wave that the
+next round finds again, although another one or none acted before, is right and stays. Then the rotor creeps round the
 whole turn, for the waves that are no multiples of the poles. All but that first wave are checked (checking.py).
 """
 
@@ -17,8 +17,8 @@ from .layout import WAVES, CurrentLoop, JointIo, JointSettings, JointState
 from .spectrum import look_at_table, look_for, wave_amplitude
 
 _ROUNDS_MOST = const(4)  # until it creeps round the whole turn
-_SETTLED = const(2608)  # brad: a quarter of a rad, by which two rounds may differ
-_ORDERS = const(12)  # times the pole pairs: the highest order looked for
+_SETTLED = const(2608)  # brad: a quarter of a rad, by which the phases of two rounds may differ
+_ORDERS = const(12)  # times the pole pairs: the highest order searched for
 _ORDER_MOST = const(250)  # with 512 places
 
 
@@ -55,10 +55,10 @@ def creep_step(
 
 @hot
 def _begin_look(commission: Commission) -> None:
-    """Begin to look at a round's table, in a check for the waves that are checked.
+    """Begin to search a round's table; in a check, for the waves that are checked.
 
-    Else for multiples of the poles after a short round, for slower others after the whole turn; if no short round's
-    wave has settled, for those multiples there too.
+    Else for multiples of the poles after a short round, for slower other waves after the whole turn; if no wave of a
+    short round has settled, for those multiples there too.
     """
     go_on(commission, PHASE_WAVES)
     if commission.creep_part >= CREEP_WITHOUT:
@@ -82,9 +82,9 @@ def _begin_look(commission: Commission) -> None:
 
 @hot
 def _take_wave(commission: Commission) -> None:
-    """Keep a wave if it is stronger than the weakest kept, or than a near one.
+    """Keep a wave if it is stronger than the weakest one kept, or than one near to it.
 
-    Multiples of the poles stay as the last short round found them, because that creeps more slowly.
+    Multiples of the poles stay as the last short round found them, because that round creeps more slowly.
     """
     current = wave_amplitude(commission)
     order = commission.order * commission.fold
@@ -111,9 +111,9 @@ def _keep(commission: Commission, wave: int, order: int, current: int, phase: in
 
 @hot
 def _near(commission: Commission, order: int) -> int:
-    """Return the first wave that the check, in two electrical turns, could not tell from this; -1 if none.
+    """Return the first wave that the check, in two electrical turns, could not tell from this one; -1 if none.
 
-    Two of them may leave each other nothing there, and all the more on the other side of the turn.
+    Two such waves may cancel each other there, and add up on the other side of the turn.
     """
     least = saturate(commission.pole_pairs, 1, 50) * 2 // 3
     for wave in range(WAVES):
@@ -125,7 +125,7 @@ def _near(commission: Commission, order: int) -> int:
 
 @hot
 def _next_round(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Let the strongest wave act on the next round; after the whole turn check them all, return 1 if none is to be.
+    """Let the strongest wave act in the next round; after the whole turn check all of them, return 1 if none is to be.
 
     A wave of more than a quarter of the current limit is refused.
     """
@@ -158,7 +158,7 @@ def _next_round(loop: CurrentLoop, settings: JointSettings, commission: Commissi
 def _settled(commission: Commission) -> int:
     """Return 1 if the first wave is the same as in the round before, in which another one acted, or none; else 0.
 
-    Its amplitude may differ by an eighth, after the last round by a quarter: some motors' rounds come out in turns.
+    Its amplitude may differ by an eighth, after the last round by a quarter: some motors' results alternate.
     """
     little = commission.wave_current[0] >> 3
     if commission.creep_rounds == _ROUNDS_MOST:

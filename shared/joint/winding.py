@@ -46,12 +46,12 @@ _KI_MOST = const(4095)
 _INDUCTANCE_MOST = const(524287)
 _IMPEDANCE_MOST = const(0x20000000)
 _SUM_MOST = const(0x3FFFFFF)
-_QUICK_Q15 = const(22938)  # tanh(R T / 2 L) of 0.7: a winding that settles within a step
+_QUICK_Q15 = const(22938)  # tanh(R T / 2 L) of 0.7: the winding settles within a step
 
 
 @hot
 def winding_inductance(volt_q4: int, current_q4: int, resistance_q16: int) -> int:
-    """Return L / T in vu step / cu (Q16) of a current that alternates by +-current under +-volt; 0 if too quick.
+    """Return L / T in vu step / cu (Q16) of a current that alternates by +-current under +-volt; 0 if it is too quick.
 
     volt 1 .. 2^22, current 1 .. 2^20 (Q4), resistance 0 .. 2^18. From L / T = R / (2 atanh t), t = R current / volt, as
     volt / (2 current (1 + t^2/3 + t^4/5 + t^6/7)): error 0.7 % up to t = 0.7, where it ends.
@@ -84,11 +84,11 @@ def winding_step(loop: CurrentLoop, settings: JointSettings, commission: Commiss
 
 @hot
 def _ramp(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Let the voltage grow until the current flows, along it or (a phase is open) across it, by 1/64 a tick.
+    """Raise the voltage by 1/64 a tick until the current flows, along it or, if a phase is open, across it.
 
-    So the current grows slower than a winding follows. The field comes from a quarter turn back: no rotor stands
-    exactly against both ends of that way. While the rotor turns to the field, its back-EMF takes from the current: the
-    voltage waits, or it would be too much once the rotor stands.
+    So the current grows more slowly than a winding can follow. The field comes from a quarter turn back: no rotor
+    stands exactly opposite to both ends of that way. While the rotor turns to the field, its back-EMF reduces the
+    current: the voltage waits, or it would be too high once the rotor stands.
     """
     commission.angle = saturate((commission.phase_ticks << 6) - 16384, -16384, _OBLIQUE)
     point(loop, commission)
@@ -112,7 +112,7 @@ def _ramp(loop: CurrentLoop, settings: JointSettings, commission: Commission) ->
 
 @hot
 def _settle(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Wait until the rotor has found the field, then look at the phases' currents."""
+    """Wait until the rotor has aligned with the field, then check the phases' currents."""
     if commission.phase_ticks < _SETTLE_TICKS:
         return PHASE_SETTLE
     _check_phases(loop, settings, commission)
@@ -144,9 +144,9 @@ def _check_phases(loop: CurrentLoop, settings: JointSettings, commission: Commis
 
 @hot
 def _measure(loop: CurrentLoop, commission: Commission) -> int:
-    """Take the mean current, first at the whole voltage and then at half of it; from both the resistance.
+    """Take the mean current, first at the whole voltage and then at half of it; find the resistance from both.
 
-    The field moves to and fro by 2.8 degrees, so that what the duties are rounded by differs and cancels.
+    The field moves to and fro by 2.8 degrees, so that the rounding errors of the duties differ and cancel.
     """
     wave = commission.phase_ticks & 63
     if wave > 31:
@@ -189,7 +189,7 @@ def _mean_q4(loop: CurrentLoop, total: int) -> int:
 
 @hot
 def _count(loop: CurrentLoop, commission: Commission, phase: int, ticks: int) -> int:
-    """Begin sums over so many ticks in ``phase``; return it."""
+    """Begin sums over ``ticks`` in ``phase``; return the phase."""
     commission.window = ticks
     probe_begin(loop, 1)
     return go_on(commission, phase)
@@ -229,7 +229,7 @@ def _alternate(loop: CurrentLoop, settings: JointSettings, commission: Commissio
 
 @hot
 def _tune(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Set the current loop's gains, kp = L w with the mean of both axes and ki = R w, if it can have them."""
+    """Set the current loop's gains, kp = L w with the mean of both axes and ki = R w; refuse them if out of range."""
     mean = commission.inductance_d + commission.inductance_q >> 1
     kp = (mean * settings.current_w + 0x4000) >> 15
     ki = (commission.resistance * settings.current_w + 0x4000) >> 15
@@ -244,7 +244,7 @@ def _tune(loop: CurrentLoop, settings: JointSettings, commission: Commission) ->
 
 @hot
 def _close_loop(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
-    """Let the current loop hold the current from where the voltage is; return the phase that follows."""
+    """Let the current loop take over at the present voltage and hold the current; return the phase that follows."""
     loop.feed_q = 0
     loop.integral_q = 0
     loop.reference_q = 0

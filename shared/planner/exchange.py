@@ -15,7 +15,7 @@ from .state import PlannerState
 from .status import BLIND, STANDING
 from .steps import use_gait, wanted_gait
 
-_HELD_S = const(4)  # of held-up swings; 3 is less than at edges that it can climb, with 6 the trunk comes down on walls
+_HELD_S = const(4)  # of held-up swings; 3 is too short at edges that it can climb, with 6 the trunk comes down on walls
 _HELD_IN_A_ROW = const(7)  # held-up swings of a pair of feet; with 5 or 6 Caramelo gives up at steps that it can climb
 
 
