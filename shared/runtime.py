@@ -30,7 +30,7 @@ except ImportError:
 
 CPYTHON = implementation.name == "cpython"
 if CPYTHON:
-    Ints = list[int]  # what an array of integers is called in annotations
+    Ints = list[int]  # the annotation of an array of integers
 else:
     Ints = list  # type: ignore[misc,no-redef]  # MicroPython reads no annotations
 

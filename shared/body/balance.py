@@ -12,7 +12,7 @@ from .params import Params
 
 
 class Balance:
-    """Both controllers of one robot, and what they add to the commanded pose."""
+    """Both controllers of one robot, and the correction that they add to the commanded pose."""
 
     def __init__(self) -> None:
         self.roll = Pid()

@@ -101,7 +101,7 @@ def plane_length(params: Params, leg: int, hip_feet: Feet) -> int:
 
 @hot
 def limit_legs(params: Params, joints: Ints, flags: Ints) -> int:
-    """Limit 12 ``joints`` to the robot's joint limits; add what acted to the ``flags`` of its leg, return it together.
+    """Limit 12 ``joints`` to the joint limits; add the limits that acted to each leg's ``flags``; return all together.
 
     joints: brad within -32768 .. 32767, changed in place. flags: 4, each gets LIMIT_HIP, LIMIT_THIGH, LIMIT_CALF or
     several. Exact.

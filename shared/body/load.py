@@ -16,7 +16,7 @@ from .params import LEGS
 
 @record
 class Load:
-    """How the weight is shared out, and what it was found from."""
+    """How the weight is shared out, and the intermediate results."""
 
     wanted_q12: Ints = vector(LEGS, "own weight Q12", "the share of each foot")
     middle: Spot = part(Spot, "the weighted middle of the feet, lu")

@@ -12,7 +12,7 @@ class TrotSetup:
     speed_max: Twist = part(Twist, "fastest command")
     phase_step_q20: int = field("Q20 of a cycle / tick", "how far the phase advances, up to 2^17")
     hurried_step_q20: int = field("Q20 of a cycle / tick", "the same in swings while the robot is pushed, up to 2^18")
-    pushed_speed: int = field("lf / tick", "a robot that is faster than told by more than this is pushed")
+    pushed_speed: int = field("lf / tick", "a robot is pushed if faster than commanded by more than this")
     hurries_high: int = field("", "1: the drives can follow high swings at that pace, too")
     stance_q20: int = field("Q20 of a cycle", "share of a cycle in which a foot stands, 1/2 .. 3/4")
     landing_q20: int = field("Q20 of a cycle", "after touchdown, while the joints still show the landing")

@@ -2,7 +2,7 @@
 
 A wave has to halve the ripple of the speed at its own number per turn, else it is dropped. It is also dropped if its
 ripple was less than what the first wave leaves, or than half of what its current would make, and if it is below a
-sixteenth of the friction: friction alone made some of 1/25.
+sixteenth of the friction: friction alone made waves of 1/25 of it.
 """
 
 from ..num.fixed import saturate

@@ -1,4 +1,4 @@
-"""Commissioning's fifth part: the rotor creeps to and fro, and a table records what that takes at each place.
+"""Commissioning's fifth part: the rotor creeps to and fro, and a table records the current at each place.
 
 Strong cogging would let the rotor hop from tooth to tooth, and a load behind the gear's play would swing against it, so
 the rotor creeps slowly and a field holds it (holding.py). A short round covers two electrical turns to and fro, for

@@ -95,7 +95,7 @@ class LoopSettings:
 
 @record
 class JointSettings:
-    """What host/robot/joint_gains.py sets once; commissioning may change what it measures.
+    """Settings that host/robot/joint_gains.py computes; commissioning may change those that it measures.
 
     Names and order are those of the parameters from pole_pairs on (host/protocol/parameters.toml).
     """

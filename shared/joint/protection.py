@@ -1,7 +1,7 @@
-"""What must end the torque: supply, current, speed, position, stall, encoders, temperatures. Sets state.cause.
+"""Checks that end the torque: supply, current, speed, position, stall, encoders, temperatures. They set state.cause.
 
 Each check runs in every state, so that a cause that is still there also refuses clearing and arming. Limits that only
-act (derating) set LIMIT_* bits; what is found here is a fault.
+act (derating) set LIMIT_* bits; a cause found here is a fault.
 """
 
 from ..num.fixed import isqrt, saturate

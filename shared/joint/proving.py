@@ -166,8 +166,8 @@ def _weigh(commission: Commission, ticks: int, current: int, moved: int) -> None
 def _end_velocity(settings: JointSettings, commission: Commission) -> None:
     """Find the bandwidth in per cent of the wanted one; go on with the position loop.
 
-    A poor one is measured once more. A load that rattles in the gear's play swallows what the loop gives: then a
-    quarter less bandwidth is tried, twice.
+    A poor result is measured once more. A load that rattles in the gear's play swallows momentum: then a quarter less
+    bandwidth is tried, twice.
     """
     inertia = ratio(commission.impulse, saturate(commission.way, 1, 0x3FFFFFF), 4)
     inertia = inertia * commission.window >> 5  # Q12: 4096 / (32 256), of it 16

@@ -142,7 +142,7 @@ def mcu_t16(raw: int, cal1: int, cal2: int) -> int:
     """Return the STM32F405's temperature from its sensor: 30 + (raw - cal1) 80 / (cal2 - cal1) degrees C.
 
     cal1 and cal2 are the factory's readings at 30 and 110 degrees C (datasheet section 5.3.22); all 0 .. 4095. Error 1
-    t16. With cal1 = cal2 there is no calibration: 32767, which nobody takes for cold.
+    t16. With cal1 = cal2 there is no calibration: 32767, which is never taken for cold.
     """
     span = cal2 - cal1
     if span == 0:

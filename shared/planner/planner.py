@@ -6,8 +6,8 @@ States: limp (nothing is driven), rising, standing, walking, sitting (going down
 command names a mode, and the planner goes there through the states between: the robot never walks before it has stood
 up, and never sits down in mid-stride.
 
-Its parts: states (which state next), exchange and movers (what stands and walks: a table, the trot, the crawl), senses,
-steps (the feet) and pose (body and legs) for them, status (what the planner reports), state (all it remembers).
+Its parts: states (which state next), exchange and movers (a table, the trot or the crawl walks), senses, steps (feet)
+and pose (body and legs) for the movers, status (what the planner reports), state (all it remembers).
 """
 
 from ..body.params import Params

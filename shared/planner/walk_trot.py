@@ -68,7 +68,7 @@ def walk_trot(planner: PlannerState, command: Command, sensed: Sensed) -> None:
 def follow_trot(planner: PlannerState, command: Command) -> int:
     """Slew speed and pose towards the command, limited while swings are high; return 1 if the speed is 0.
 
-    If another mover is to walk, the trot comes to a stand.
+    If the command is for another mover, the trot comes to a stand.
     """
     wanted = wanted_gait(planner, command)
     limit_to_both(planner, wanted)

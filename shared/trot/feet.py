@@ -57,7 +57,7 @@ def spare(params: Params, walk: Trot, leg: int) -> int:
     """Return by how much the goal of a stance foot is raised in this tick, lf.
 
     A leg that can't lift its corner of the body pushes with all its force, whichever way that points, and throws the
-    body ahead. What exceeds 0.12 of the leg is taken back in an eighth of a cycle. Intermediates: 2^15 * 2^13.
+    body ahead. The excess over 0.12 of the leg is taken back in an eighth of a cycle. Intermediates: 2^15 * 2^13.
     """
     if walk.state.known <= params.sent_ticks:
         return 0

@@ -84,7 +84,7 @@ def lead(params: Params, walk: Trot, goal: Ints) -> None:
 
 @hot
 def slide(params: Params, walk: Trot, leg: int, goal: Ints) -> None:
-    """Add to the goals of a stance leg what friction holds back of its joints' motion. Part of lead.
+    """Add to the goals of a stance leg the part of its joints' motion that friction holds back. Part of lead.
 
     That is dry friction plus a share of the load, which shows as the sag that ``goal`` already includes. A slow joint
     gets less of it, so that a joint at rest is not sent to and fro. A calf motor on the body feels thigh + calf.

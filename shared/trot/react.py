@@ -53,11 +53,11 @@ def react(params: Params, walk: Trot, leg: int) -> int:
 
 @hot
 def see_held_up(params: Params, walk: Trot, leg: int) -> None:
-    """Swing high from now on if the foot is further behind its way than its mate in the air.
+    """Mark a foot as held up, and swing high from now on, if it is further behind its path than its diagonal mate.
 
-    Both feet of a diagonal lag alike behind drives and bus, whether that lag is known or not. What a load or an unknown
-    delay leaves of it recurs in every swing, and counts as usual. The later the bus, the further behind a foot may be
-    that still goes ahead, because its lag is known later. Intermediates: 2^16 * 2^12.
+    Both feet of a diagonal lag alike behind drives and bus, whether that lag is known or not. The difference that a
+    load or an unknown delay leaves recurs in every swing, and counts as usual. The later the bus, the further behind a
+    foot may be that still goes ahead, because its lag is known later. Intermediates: 2^16 * 2^12.
     """
     state = walk.state
     setup = params.trot
@@ -91,8 +91,8 @@ def see_held_up(params: Params, walk: Trot, leg: int) -> None:
 def may_be_late(walk: Trot, leg: int) -> int:
     """Return 1 if a swing foot that is behind its mate may just be late, 0 if something holds it.
 
-    A late foot goes ahead faster than the body is to; and while a late bus does not yet show the swing, its mate does
-    not go ahead either.
+    A late foot goes ahead faster than the body is commanded to; and while a late bus does not yet show the swing, its
+    mate does not go ahead either.
     """
     mate = 3 - leg
     speed = walk.state.foot_speed.x
@@ -127,10 +127,10 @@ def count_held_up(params: Params, walk: Trot, leg: int) -> None:
     """Begin a swing of ``leg``: was its last one held up, or the body slow?
 
     While swings are high, a leg's score grows by 2 with each held-up swing and falls by 1 with any other; the highest
-    score counts. The measured speed alone would not do: before a wall the stance feet slip, and the robot seems to get
-    on. Where the ground climbs it does: on stairs each riser holds a foot up, yet the robot is as fast as told. The
-    usual lag is limited, else being held up by a wall would become usual. A foot that was held up gets free first, but
-    not where the foot beside it was held up as well, as before a wall or in the plane, nor where the ground climbs.
+    score counts. The measured speed alone would not do: before a wall the stance feet slip, and the robot seems to move
+    on. Where the ground climbs it does: on stairs each riser holds a foot up, yet the robot has its commanded speed.
+    The usual lag is limited, else being held up by a wall would become usual. A foot that was held up gets free first,
+    but not where the foot beside it was held up as well, as before a wall or in the plane, nor where the ground climbs.
     """
     state = walk.state
     held_up = walk.held_up

@@ -28,7 +28,7 @@ class TrotState:
     roll_18: int = field("2^-18 rad / tick", "wanted turn about x, which levels the body")
     pitch_18: int = field("2^-18 rad / tick", "wanted turn about y")
     rise_speed: int = field("lf / tick", "wanted speed of the body upwards")
-    pushed: int = field("", "1: since this tick faster than told, as walking never is; 2: for longer, or at an edge")
+    pushed: int = field("", "1: since this tick too fast, as walking never is; 2: for longer, or at an edge")
     capture: Spot = part(Spot, "capture step: foothold further on for a speed that is too high, lu")
     roll_q14: int = field("rad Q14", "roll when this tick's goals act")
     pitch_q14: int = field("rad Q14", "pitch when this tick's goals act")
@@ -44,7 +44,7 @@ class TrotState:
     ring_at: int = field("", "this tick's place in the rings, 0 .. 15")
     held_up_count: int = field("", "swings held up since the start")
     early_contacts: int = field("", "feet that met ground higher than planned since the start")
-    stuck_ticks: int = field("ticks", "for how long the robot, told to walk, has not got on; 0 while it does")
+    stuck_ticks: int = field("ticks", "for how long the robot, commanded to walk, has made no progress; else 0")
 
 
 @record

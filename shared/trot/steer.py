@@ -24,7 +24,7 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Turn, pose: Pose) ->
     """Write the speeds of the feet for the commanded speed (lf / tick, yaw18 / tick) and the measured motion.
 
     A round foot's centre goes slower than the body. The missing part of the speed is added, but not while swings are
-    high: the body would lunge once it is past what held it up. An error of the heading is turned back, and a change of
+    high: the body would lunge once it is past what held it up. An error of the heading is corrected, and a change of
     the pose's yaw is turned along. While ``wish.moving`` is 0 the feet stay. Intermediates: 2^18 * 2^10.
     """
     state = walk.state
@@ -62,11 +62,11 @@ def steer(params: Params, walk: Trot, speed: Twist, turned: Turn, pose: Pose) ->
 
 @hot
 def feel_push(params: Params, walk: Trot) -> None:
-    """Write whether the body has been pushed: it is faster than told by more than walking makes it.
+    """Write whether the body has been pushed: it is faster than commanded, by more than walking makes it.
 
     A body that becomes too fast while swings are high has been thrown by an edge; it counts as pushed if its drives can
-    hurry such swings. A body held up by an edge is slower than told, so a push against the way only counts once the
-    body goes backwards.
+    hurry such swings. A body held up by an edge is slower than commanded, so a push against the way only counts once
+    the body goes backwards.
     """
     state = walk.state
     most = params.trot.pushed_speed
@@ -124,9 +124,9 @@ def reach_speed(params: Params, told: int, gone: int, drift_q8: int) -> int:
 def wait_for_feet(params: Params, walk: Trot, pose: Pose) -> None:
     """While swings are high the body waits for feet that stay behind; it does not hurry for feet that are ahead.
 
-    Otherwise it would go on over feet that an edge holds up, and its trunk would come down on the edge. What the mean
-    of all feet is too far behind is taken back in an eighth of a cycle, but the body only goes back where the ground
-    climbs: on the level a late bus alone would send it back. Intermediates: 2^16 * 2^13.
+    Otherwise it would go on over feet that an edge holds up, and its trunk would come down on the edge. If the mean of
+    all feet is too far behind, the excess is taken back in an eighth of a cycle, but the body only goes back where the
+    ground climbs: on the level a late bus alone would send it back. Intermediates: 2^16 * 2^13.
     """
     state = walk.state
     total = 0

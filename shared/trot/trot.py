@@ -1,6 +1,6 @@
 """One tick of the trot.
 
-    measured -> speed, residuals -> steering -> who swings -> standing and swinging feet -> joints -> goals
+    measured -> speed, residuals -> steering -> legs in swing -> stance and swing feet -> joints -> goals
 
 Raibert's footholds and the linear pendulum's capture point, from the legs' own odometry. Stance feet follow a velocity
 field, so the body has no pose to fall behind; any error is gone with the next swing.

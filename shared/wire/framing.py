@@ -23,10 +23,10 @@ _BLOCK_MASK = const(0x780)
 _REST_MASK = const(0x7F)
 _ALL_BITS = const(0x7FF)
 _GROUP_BITS = const(0x7F8)  # every set-point kind of one group
-BLOCK_HIGH = const(1)  # bits of update_block's identifier: bit 16 of the number; the slot; of the image's header
+BLOCK_HIGH = const(1)  # bits of update_block's identifier: bit 16 of the block's number; the slot; 1 for the header
 BLOCK_SLOT = const(2)
 BLOCK_HEADER = const(4)
-BLOCK_MASK = const(0x7FA)  # the others: what is for one slot
+BLOCK_MASK = const(0x7FA)  # filter mask for all blocks of one slot
 
 
 @hot
@@ -131,7 +131,7 @@ def joint_filters(pairs: Ints, node: int) -> int:
 
 @hot
 def update_filters(pairs: Ints, node: int, slot: int) -> int:
-    """Write the hardware filters of joint 1 .. 12 while slot 0 or 1 is written; return how many there are."""
+    """Write the hardware filters of joint 1 .. 12 during an update of slot 0 or 1; return how many there are."""
     table = ptr16(pairs)
     table[0] = UPDATE_REQUEST_ID | node
     table[1] = _ALL_BITS

@@ -88,7 +88,7 @@ def clear_setpoints(link: Link) -> None:
 
 @hot
 def start_session(link: Link, session: int) -> None:
-    """Bind the link to the host's session 1 .. 255, on arm: SYNC of another is refused, counting starts anew.
+    """Bind the link to the host's session 1 .. 255, on arm: SYNC of another is refused, counting starts again.
 
     The set-points stay as they are, because arming needs fresh ones before it.
     """
@@ -188,8 +188,8 @@ def _accept_sync(link: Link, frame: Ints) -> int:
 def accept_frame(link: Link, identifier: int, frame: Ints, length: int) -> int:
     """Take one received frame of ``length`` bytes; return FRAME_*.
 
-    ``frame`` is an array('H') of four words. An e-stop counts whatever its length. Of a request only
-    the address is looked at: decode_service_request reads it. Intermediates within 2^30.
+    ``frame`` is an array('H') of four words. An e-stop counts whatever its length. Of a request only the address is
+    checked; decode_service_request reads the rest. Intermediates within 2^30.
     """
     kind = frame_block(identifier)
     if kind == E_STOP_ID:
