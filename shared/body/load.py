@@ -143,8 +143,8 @@ def load_slope(com_x: int, com_y: int, planar: int, block: Load) -> None:
     """Write how the share grows along x and y, so that the force's centre is at the centre of mass.
 
     Solves the equations of both moments; for feet in one line (determinant below 1/64 of the squared trace) only along
-    that line. Slopes are in Q18 per 32 lu, shifted by ``shift``, limited to +-0x3FFFF. Intermediates: 16383 * 1023 * 2
-    * 16 < 2^29.
+    that line. Slopes are in Q18 per 32 lu, shifted by ``shift``, limited to +-0x3FFFF. Intermediates:
+    16383 * 1023 * 2 * 16 < 2^29.
     """
     off_x = saturate(com_x - block.middle.x + _UNIT_HALF >> _UNIT_BITS, -1023, 1023)
     off_y = 0

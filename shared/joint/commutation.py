@@ -1,8 +1,7 @@
 """Commutation: the electrical angle that the current step uses, and its sine table.
 
 The angle is electrical_gain times the rotor's count plus electrical_offset. A joint in use follows its rotor as stored;
-commissioning makes a field point anywhere, whatever the encoder reads, or follows the rotor by what it has found so
-far.
+commissioning makes a field point anywhere, whatever the encoder reads, or follows the rotor as found so far.
 """
 
 from ..num.fixed import saturate, sin_q15

@@ -149,8 +149,7 @@ def _take_in(loop: CurrentLoop, settings: JointSettings, commission: Commission,
 def _ripple_or_current(commission: Commission, change: int) -> int:
     """Return the value to add up for the tick before: in a check, the rotor's rate above the wanted one.
 
-    Else the current that the motion alone took, times 10, less the acceleration's; ``change``: of the way, in two
-    ticks.
+    Else the current that the motion alone took, times 10, less the acceleration's; ``change``: of the way in two ticks.
     """
     if commission.creep_part >= CREEP_WITHOUT:
         speed = commission.moved_last * commission.sign << 8

@@ -3,8 +3,8 @@
 ``current_step`` is written for few instructions: in viper its two integer parameters live in
 registers and hold the pair it works on (currents, errors, voltages, then the extremes of the
 phases), it calls nothing and reads each place once or twice; one array holds all it needs, its sine
-table too, because passing an array is expensive. Rare cases are left to ``current_repair``, as the
-step's result tells:
+table too, because passing an array is expensive. Rare cases are left to ``current_repair``; the
+step's result says so:
 
     code = current_step(rotor, invalid, loop)
     if code: code = current_repair(code, rotor, invalid, loop)
@@ -35,11 +35,11 @@ def current_step(d: int, q: int, loop: CurrentLoop) -> int:
     Reads raw, reference_d, _q and cogging_q, writes duty, current_d and _q, voltage_d and _q of ``loop``. Returns
     STEP_DONE, or what current_repair has to finish.
 
-    Worst error of a duty against exact arithmetic: 0.001 of the period (checked). Bounds: a rebuilt phase reads -2796
-    .. 6894 counts (offsets 1798 .. 2298), so (2a - b - c, sqrt 3 (b - c)) is no longer than 13800, the sums of Park
-    stay below 13800 * 32769 < 2^29, the currents within 27600 and their squares below 2^30. The host chooses vu and
-    checks that (loop.kp e + integral) stays below 2^30 for currents below the trip, and each voltage below 23170, so
-    that the sum of their squares stays below 2^30.
+    Worst error of a duty against exact arithmetic: 0.001 of the period (checked). Bounds: a rebuilt phase reads
+    -2796 .. 6894 counts (offsets 1798 .. 2298), so (2a - b - c, sqrt 3 (b - c)) is no longer than 13800, the sums of
+    Park stay below 13800 * 32769 < 2^29, the currents within 27600 and their squares below 2^30. The host chooses vu
+    and checks that (loop.kp e + integral) stays below 2^30 for currents below the trip, and each voltage below 23170,
+    so that the sum of their squares stays below 2^30.
     """
     if (d - loop.rotor + _JUMP) & _JUMP_OUTSIDE | loop.masked | q:
         return STEP_INPUT

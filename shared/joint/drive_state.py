@@ -194,8 +194,8 @@ def _latches(state: JointState, io: JointIo) -> int:
     """Return the cause that is a fault now, FAULT_NONE if there is none.
 
     While the hardware is not ready the supply may still rise and sensors are not read, so their causes are no faults
-    yet. An emergency stop is one, and so is what the application found wrong with the hardware: else the joint would
-    never get ready and not say why. The gate driver's own fault is not, because a missing supply causes it as well.
+    yet. An emergency stop is one. So is what the application found wrong with the hardware, else the joint would never
+    get ready, without saying why; but not the gate driver's own fault, which a missing supply causes as well.
     """
     if state.drive_state != STATE_NOT_READY or state.cause == FAULT_EMERGENCY_STOP:
         return state.cause

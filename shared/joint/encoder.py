@@ -69,8 +69,8 @@ def encoder_resync(loop: CurrentLoop, state: JointState) -> None:
 def encoder_step(loop: CurrentLoop, settings: JointSettings, state: JointState) -> int:
     """Take the rotor over once a millisecond: turns, fraction, position, rate, velocity; return state.position.
 
-    Exact for less than half a rotor turn a tick (500 turns/s). At the end of its range state.turns stops at +-(2^30 -
-    2); range_exceeded is 1 from the moment state.position cannot follow any more.
+    Exact for less than half a rotor turn a tick (500 turns/s). At the end of its range state.turns stops at
+    +-(2^30 - 2); range_exceeded is 1 from the moment state.position cannot follow any more.
     """
     moved = wrap_count(loop.rotor - state.fraction)
     fraction = state.fraction + moved

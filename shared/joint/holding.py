@@ -43,8 +43,8 @@ def turning_current(settings: JointSettings, commission: Commission, d: int, q: 
 
     d, q: sums over that tick along and across the field, cu; rotor at its end, rc; moved in it, electrical-signed. The
     current along the rotor's flux takes its share of that. A rotor a quarter of an electrical turn away is lost:
-    refused. Error 16 cu, and of the lag 1 brad for each pole pair. Intermediates: 2^15 * 2^14 * sqrt 2, and below 2^18
-    * 2^10.
+    refused. Error 16 cu, and of the lag 1 brad for each pole pair. Intermediates: 2^15 * 2^14 * sqrt 2, and below
+    2^18 * 2^10.
     """
     pairs = commission.pole_pairs
     middle = 4 * pairs * commission.direction * rotor - 2 * pairs * moved + commission.offset_found

@@ -34,7 +34,7 @@ class CurrentLoop:
     offset_alpha: int = field("count", "2a - b - c at no current")
     offset_beta: int = field("", "(b - c) at no current times 28378, less 8192 for the rounding")
     electrical_gain: int = field("brad / rc", "+-4 x pole pairs; 0 while commissioning forces the angle")
-    electrical_offset: int = field("brad", "plus half a step of the sine table, ahead by the reading's age")
+    electrical_offset: int = field("brad", "at count 0, plus half a step of the sine table, ahead by the reading's age")
     kp: int = field("vu / cu", "proportional gain, Q13")
     ki: int = field("vu / cu / step", "integral gain, Q13")
     half_period: int = field("1/16 compare count", "half the period plus rounding")

@@ -51,7 +51,7 @@ def keep_outer(settings: JointSettings, commission: Commission) -> None:
 
 @hot
 def restore_outer(settings: JointSettings, commission: Commission) -> None:
-    """Restore these gains, if there are any."""
+    """Restore the gains from before commissioning, if any are kept."""
     kept = commission.kept_outer
     if kept[0] == 0:
         return

@@ -3,8 +3,7 @@
 It turns a quarter of a turn to either side of the middle; the current across the flux falls to 0 at half of the speed
 limit. A current along the flux stays, so that dead time takes all it can of every phase, in a known direction. Over
 whole swings, the current loop's voltage less R i, L di/dt, w L i and dead time is the flux linkage times the angle
-travelled, whatever the load. The part of it on the d axis shows the error of the offset, without friction or gravity in
-it.
+travelled, whatever the load. Its part on the d axis shows the error of the offset, free of friction and gravity.
 """
 
 from ..num.fixed import atan2_brad, hypot, ratio, saturate

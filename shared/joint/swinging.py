@@ -2,7 +2,7 @@
 
 From where the rotor reverses to the middle the current does the work J v^2 / 2 + F s, from the middle to where it
 reverses again F s - J v^2 / 2. Their difference gives the inertia, their sum the friction. A torque that depends on the
-angle alone (cogging) gives back the work that it takes. A load that pulls one way is the mean of the current. The
+angle alone (cogging) gives back the work that it takes. A load that pulls one way shows as the mean of the current. The
 middle is a stretch, over which the work passes gradually from one sum to the other: the speed is a mean over it, so the
 torques there must be too. First the current swings the rotor as in spinning.py, which gives the velocity loop a first
 gain. Then that loop swings it, so gently that the gear's play costs nothing, at two speeds, to find the part of the
@@ -87,7 +87,7 @@ def follow_rate(loop: CurrentLoop, settings: JointSettings, state: JointState, c
 
 @hot
 def ask_rate(settings: JointSettings, state: JointState, commission: Commission) -> None:
-    """Do the same without handing the current to the current step."""
+    """As follow_rate, but without handing the current to the current step."""
     wanted = commission.swing_rate * commission.sign
     most = commission.swing_acceleration
     reference = commission.swing_reference * commission.sign
@@ -102,8 +102,8 @@ def ask_rate(settings: JointSettings, state: JointState, commission: Commission)
 def _add(commission: Commission, before: int, moved: int, current: int) -> None:
     """Add up the work of one tick; it passes from one sum to the other over the middle.
 
-    A period begins and ends where the middle is passed upwards; sums begin at the first passage. Intermediates: 2^16 *
-    2^11.
+    A period begins and ends where the middle is passed upwards; sums begin at the first passage. Intermediates:
+    2^16 * 2^11.
     """
     work = saturate(current * moved, -_WORK_MOST, _WORK_MOST) + 512 >> 10
     if commission.half_swings > 1 and moved > 0 and (before ^ commission.away) < 0:

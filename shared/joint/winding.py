@@ -86,7 +86,7 @@ def winding_step(loop: CurrentLoop, settings: JointSettings, commission: Commiss
 def _ramp(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> int:
     """Raise the voltage by 1/64 a tick until the current flows, along it or, if a phase is open, across it.
 
-    So the current grows more slowly than a winding can follow. The field comes from a quarter turn back: no rotor
+    This is slow enough for the current to follow in any winding. The field comes from a quarter turn back: no rotor
     stands exactly opposite to both ends of that way. While the rotor turns to the field, its back-EMF reduces the
     current: the voltage waits, or it would be too high once the rotor stands.
     """

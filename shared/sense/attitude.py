@@ -136,8 +136,8 @@ def rate_q18(attitude: Attitude, counts: int, axis: int) -> int:
     """Return the turn about ``axis`` during one tick in 2^-18 rad, limited to +-1/8 rad.
 
     counts: int16. 1/8 rad a tick is 358 deg/s at 50 Hz; beyond it the attitude lags and the accelerometer brings it
-    back. The remainder below one unit is kept for the next tick: at 500 Hz a unit is 0.11 deg/s. Intermediates: 8192 *
-    131071 + 511 < 2^30.
+    back. The remainder below one unit is kept for the next tick: at 500 Hz a unit is 0.11 deg/s. Intermediates:
+    8192 * 131071 + 511 < 2^30.
     """
     fine = saturate((counts << 6) - (attitude.bias[axis] >> 10), -0x3FFFFF, 0x3FFFFF)
     gain = saturate(attitude.gyro_q30, 0, 0x1FFFF)

@@ -349,8 +349,8 @@ def odometry_spread(params: Params, odometry: Odometry) -> None:
     """Write scale_spread and place_spread. With heading_spread they make the covariance of x, y and heading.
 
     One sigma each, as seen in walks of four robots in space: a way is wrong by 1/256 of it and an eighth of the slip, a
-    place in any direction by 1 mm, 1/256 of the way and 1/32 of the slip. The covariance is s s' + g g' + a a I with s
-    = (scale_spread, 0), g = (heading_spread, heading_sigma), a = place_spread for x and y, 0 for the heading.
+    place in any direction by 1 mm, 1/256 of the way and 1/32 of the slip. The covariance is s s' + g g' + a a I with
+    s = (scale_spread, 0), g = (heading_spread, heading_sigma), a = place_spread for x and y, 0 for the heading.
     Intermediates: 2^20 * 512.
     """
     way = odometry.walked

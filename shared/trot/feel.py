@@ -83,8 +83,8 @@ def free_feet(params: Params, walk: Trot) -> None:
 def see_residual(params: Params, walk: Trot) -> None:
     """Write how far each foot is, along x and z, from where an unhindered foot would be.
 
-    An unhindered foot is where the goals that the joints now answer sent it, less the drives' lag for which the goals
-    do not compensate. Error of a step: 1/16 lu. Intermediates: 2^17 * 2^12.
+    That is where the goals that the joints now answer sent it, behind by the drives' lag for which the goals do not
+    compensate. Error of a step: 1/16 lu. Intermediates: 2^17 * 2^12.
     """
     share_q12 = params.trot.free_lag_q12
     sent = (walk.state.ring_at - params.sent_ticks & 15) * LEGS

@@ -56,8 +56,8 @@ def see_held_up(params: Params, walk: Trot, leg: int) -> None:
     """Mark a foot as held up, and swing high from now on, if it is further behind its path than its diagonal mate.
 
     Both feet of a diagonal lag alike behind drives and bus, whether that lag is known or not. The difference that a
-    load or an unknown delay leaves recurs in every swing, and counts as usual. The later the bus, the further behind a
-    foot may be that still goes ahead, because its lag is known later. Intermediates: 2^16 * 2^12.
+    load or an unknown delay leaves recurs in every swing, and counts as usual. The longer the bus delay, the further
+    behind a foot may be that still goes ahead, because its lag is known later. Intermediates: 2^16 * 2^12.
     """
     state = walk.state
     setup = params.trot
@@ -91,8 +91,8 @@ def see_held_up(params: Params, walk: Trot, leg: int) -> None:
 def may_be_late(walk: Trot, leg: int) -> int:
     """Return 1 if a swing foot that is behind its mate may just be late, 0 if something holds it.
 
-    A late foot goes ahead faster than the body is commanded to; and while a late bus does not yet show the swing, its
-    mate does not go ahead either.
+    A late foot goes ahead faster than the body is commanded to; and while the bus delay still hides the swing, its mate
+    does not go ahead either.
     """
     mate = 3 - leg
     speed = walk.state.foot_speed.x
@@ -224,7 +224,7 @@ def meet_ground(params: Params, walk: Trot, leg: int, quarters: int) -> None:
 
 @hot
 def lift_on(params: Params, walk: Trot) -> None:
-    """Write the apex of the next swings: the wished one, the robot's own, or high after something was met."""
+    """Write the apex of the next swings: as commanded, the robot's own, or high after something was met."""
     state = walk.state
     state.lift = params.trot.low_lift
     if walk.wish.height > 0:

@@ -126,7 +126,7 @@ def wait_for_feet(params: Params, walk: Trot, pose: Pose) -> None:
 
     Otherwise it would go on over feet that an edge holds up, and its trunk would come down on the edge. If the mean of
     all feet is too far behind, the excess is taken back in an eighth of a cycle, but the body only goes back where the
-    ground climbs: on the level a late bus alone would send it back. Intermediates: 2^16 * 2^13.
+    ground climbs: on the level the bus delay alone would send it back. Intermediates: 2^16 * 2^13.
     """
     state = walk.state
     total = 0
