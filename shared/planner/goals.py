@@ -33,9 +33,9 @@ _MOST_ODD = const(10)  # odd sets in a row after which nothing counts as known
 def follow_goals(params: Params, wanted: Ints, joints: Ints) -> None:
     """Move ``joints`` (12 brad, sent last) towards ``wanted`` (12 brad), no motor faster than its top speed.
 
-    Angles within +-32768. A calf motor on the body (paper B) turns thigh + calf, so its speed limits that sum. Every
-    angle stays between where it was and where it is wanted, so goals within the joint limits stay within them. Exact.
-    Intermediates: two sums of two angles, below 2^18.
+    Angles within +-32768. A calf motor on the body (paper B) turns thigh + calf, so its speed limits that sum. If thigh
+    and calf are then equally fast, every angle stays between where it was and where it is wanted, and goals within the
+    joint limits stay within them. Exact. Intermediates: two sums of two angles, below 2^18.
     """
     most = params.joint_near
     least = -most
