@@ -6,7 +6,7 @@ from .bend import straightened
 from .commission_state import PHASE_IDLE, Commission, go_on
 from .layout import CurrentLoop, JointSettings, JointState
 
-_OMEGA_L = const(322)  # 8 rate are 4 pole_pairs / 320 brad a step, in rad of 2^-28 then; a quarter of it in Q14
+_OMEGA_L = const(322)  # 8 rate in electrical 2^-28 rad a step and pole pair: 4 / 320 brad
 _DEAD_MOST = const(3276)  # of the parameter
 
 

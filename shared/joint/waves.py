@@ -111,7 +111,7 @@ def _keep(commission: Commission, wave: int, order: int, current: int, phase: in
 
 @hot
 def _near(commission: Commission, order: int) -> int:
-    """Return the first wave that the check, in two electrical turns, could not tell from this one; -1 if none.
+    """Return the first wave that the check, over two electrical turns, could not tell from this order; -1 if none.
 
     Two such waves may cancel each other there, and add up on the other side of the turn.
     """
