@@ -52,7 +52,7 @@ class CrawlSetup:
     top_speed: int = field("lf / tick", "left at the top", 20)
     swing_ticks: int = field("ticks", "shortest way across", 120)
     swing_speed: int = field("lf / tick", "mean of the way across; the quintic's peak is 0.25 m/s", 156)
-    quick_swing_speed: int = field("lf / tick", "mean of the way across on even ground; the quintic's peak is 0.75 m/s", 400)
+    quick_swing_speed: int = field("lf / tick", "mean of the way across on even ground; the peak is 0.75 m/s", 400)
     hang_ticks: int = field("ticks", "in which the hanging leg's tare is taken", 140)
     hang_skip_ticks: int = field("ticks", "of these without one", 60)
     hang_speed: int = field("lf / tick", "down meanwhile", 20)

@@ -2,8 +2,9 @@
 
     SHIFT -> LIFT -> SWING -> HANG -> LOWER -> (landed) REST -> SHIFT of the next leg ...
 
-Order RL, FL, RR, FR. On even ground the strides are long and the motions quick. A swing that meets a step, a drop, a riser or its own shin on an edge is tried again
-somewhere else, at most three times; the body goes along so that the leg comes down steeply.
+Order RL, FL, RR, FR. On even ground the strides are long and the motions quick. A swing that meets a step, a drop, a
+riser or its own shin on an edge is tried again somewhere else, at most three times; the body goes along so that the
+leg comes down steeply.
 """
 
 from ..body.params import FL, FR, LEGS, LF_BITS, RR
