@@ -13,9 +13,7 @@ from host.sim.motor.walking import joint_motors, transport
 from host.sim.walk import WalkSpec, facts, judged, run_walk, walk_result
 
 CARAMELO, PARALLEL = load_robot("caramelo"), load_robot("parallel")
-SLIPS = pytest.mark.xfail(
-    reason="a front foot stands on the very edge, slips off as the body goes on, and the crawl falls", strict=True
-)
+TIPS = pytest.mark.xfail(reason="behind the step a front foot finds no ground, and the crawl tips over", strict=True)
 
 
 def result(ok=True, speed=0.05, changes=()):
@@ -23,7 +21,7 @@ def result(ok=True, speed=0.05, changes=()):
     return {"ok": ok, "reason": "arrived" if ok else "fell", "mean_speed_m_s": speed, "gait_changes": list(changes)}
 
 
-@pytest.mark.parametrize("start_m", [0.3, pytest.param(0.27, marks=SLIPS)])
+@pytest.mark.parametrize("start_m", [0.27, 0.3, pytest.param(0.31, marks=TIPS)])
 def test_the_crawl_goes_over_a_low_step_in_the_plane(start_m):
     ground = GroundSpec("step", height_m=0.03, start_m=start_m, length_m=0.3)
     assert run_walk(WalkSpec(CARAMELO, "crawl", ground=ground, distance_m=1.0)).outcome.ok

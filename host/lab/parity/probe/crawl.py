@@ -341,6 +341,8 @@ PROBES = (
     Probe(handover, "exchanges", (Range(-1, 4),)),
     Probe(handover, "straight_on", (ROBOT, COMMAND), fit=_any_speed),
     _stateful(crawl_even, "ground_even", (EVEN,)),
+    _stateful(crawl_even, "strides_out", (EVEN,)),
+    _stateful(crawl_even, "stride_lf", (CRAWL,)),
     Probe(handover, "fade_start", (ROBOT, FADE, JOINTS), watch=(FADE,), fit=_any_fade),
     Probe(handover, "fade_out", (FADE, JOINTS), watch=(FADE, JOINTS), fit=_any_fade),
     _walking(crawl, "crawl_tick", (CRAWL, SENSING, JOINTS, TILT, TILT, AHEAD, GOALS), watch=(GOALS,) + STATE),
