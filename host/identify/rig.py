@@ -75,6 +75,11 @@ class Rig:
         """Return the angle that such a goal really means, after rounding and limits."""
         return self.calibration.joints[joint].angle_rad(self.counts(joint, shaft_rad), self._per_rad)
 
+    @staticmethod
+    def rounded_share(most: float) -> float:
+        """Return the share of the stall torque that such a limit really means, after rounding."""
+        return round(most * t.FULL_PWM) / t.FULL_PWM
+
     def allow(self, joint: int, low_rad: float, high_rad: float) -> None:
         """Set a joint's allowed range while it has torque; beyond it the rig lets go of it."""
         self._allowed[joint] = low_rad - BEYOND_RAD, high_rad + BEYOND_RAD

@@ -166,7 +166,7 @@ def _play(rig: Rig, joint: int, sweep: Sweep) -> Trace:
             if move.most != told:
                 rig.limit(joint, move.most)
                 told = move.most
-        most = -1.0 if told is None else round(told * 885) / 885
+        most = -1.0 if told is None else rig.rounded_share(told)
         sent_s = rig.clock() - began_s
         rig.tell({joint: goal_rad})
         reading = rig.ask([joint]).get(joint)
@@ -250,7 +250,7 @@ def _tick(rig: Rig, what: str, goals: Sequence[float], most: float, rows: list[S
     read = rig.ask(range(JOINTS))
     if len(read) == JOINTS:
         rows.append(
-            Stance(what, round(due_s, 6), told, round(most * 885) / 885, round(read[0].asked_s, 6), *(
+            Stance(what, round(due_s, 6), told, rig.rounded_share(most), round(read[0].asked_s, 6), *(
                 [round(getattr(read[joint], name), 7) for joint in range(JOINTS)]
                 for name in ("position_rad", "load", "voltage_V")
             ))
