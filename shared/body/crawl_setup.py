@@ -80,6 +80,7 @@ class CrawlSetup:
     riser_skip_ticks: int = field("ticks", "of a way across before a riser can be noticed", 100)
     swing_lag_ticks: int = field("ticks", "a moving foot is that late anyway", 20)
     goal_lag_ticks: int = field("ticks", "from a goal sent to it reached", 60)
+    stand_lift: int = field("lu", "the body's corner pushed up by that, the foot on its expected ground: it stands", 5)
     shin_lift: int = field("lu", "the body's corner pushed up by that: the shin stands on an edge", 9)
     shin_clear: int = field("lu", "lift off that edge", 25)
     # Filters

@@ -85,6 +85,19 @@ def corner_lift(crawl: Crawl, leg: int) -> int:
 
 
 @hot
+def stands_straight(params: Params, lift: int, off_lf: int) -> int:
+    """Return 1 if a foot near its expected ground pushes the body's corner up by ``lift`` (lu): it stands; else 0.
+
+    A nearly straight leg shows no load in its joints. off: of the foot above the expected ground, lf; near is within
+    what counts as even. Farther off, it may be the shin that pushes, on an edge.
+    """
+    even = params.crawl.drop_depth // 3 << LF_BITS
+    if lift > params.crawl.stand_lift and off_lf < even and off_lf > -even:
+        return 1
+    return 0
+
+
+@hot
 def keep_past(contact: Contact, x_lf: int) -> None:
     """Keep where the foot is sent in this tick, for the riser."""
     at = contact.past_at + 1

@@ -10,7 +10,7 @@ leg comes down steeply.
 from ..body.params import FL, FR, LEGS, LF_BITS, RR
 from ..num.fixed import saturate
 from ..runtime import const, hot
-from .contact import corner_lift, feel_ground, feel_riser, keep_past, start_contact, take_tare
+from .contact import corner_lift, feel_ground, feel_riser, keep_past, stands_straight, start_contact, take_tare
 from .even import note_landing, stride_lf, strides_out
 from .footholds import aim, foothold_add, lay_between, next_foothold_x, steps_down
 from .goals import bridge
@@ -237,9 +237,12 @@ def lower_tick(crawl: Crawl, leg: int) -> None:
     swing = crawl.swing
     lower_foot(crawl)
     touches = feel_ground(crawl.params, crawl.contact, crawl.support.force_q12[leg])
+    lift = corner_lift(crawl, leg)
     z = crawl.map.seen[leg].z
     below = swing.ground - swing.place.z >> LF_BITS
-    if swing.tries < _TRIES and corner_lift(crawl, leg) > params.crawl.shin_lift:
+    if stands_straight(params, lift, z - swing.ground):
+        land(crawl, leg)
+    elif swing.tries < _TRIES and lift > params.crawl.shin_lift:
         free_shin(crawl, leg)
     elif touches and z < swing.ground + (params.crawl.highest_contact << LF_BITS):
         touch(crawl, leg, z)

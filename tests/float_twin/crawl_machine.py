@@ -316,13 +316,16 @@ class Machine:
         s.tare = limit(s.tare + gain * (felt.force[s.leg] - s.tare), -3 * NEWTON, 3 * NEWTON)
 
     def lower(self, felt):
-        """Go down until something is met: the shin's edge, ground, a drop, or nothing at all."""
+        """Go down until something is met: ground, felt or pushed off, the shin's edge, a drop, or nothing at all."""
         s, k = self.swing, self.k
         self.go_down(felt)
         touches = self.feels_ground(felt)
         z, below = felt.seen[s.leg][2], s.expect - s.place[2]
-        again = s.tries < TRIES
-        if again and self.doubt.above(self.pushed_up(felt), k.shin_lift, TILT_ROUNDING):
+        again, pushed = s.tries < TRIES, self.pushed_up(felt)
+        near = self.doubt.above(k.drop_depth / 3, abs(z - s.expect), PLACE_ROUNDING)
+        if near and self.doubt.above(pushed, k.stand_lift, TILT_ROUNDING):
+            self.land(felt)
+        elif again and self.doubt.above(pushed, k.shin_lift, TILT_ROUNDING):
             self.free_shin(felt, z)
         elif touches and self.doubt.above(s.expect + k.highest_contact, z, PLACE_ROUNDING):
             self.touch(felt, z)

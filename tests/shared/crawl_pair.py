@@ -38,6 +38,7 @@ class Trouble:
     sticks: bool = False  # that load stays on the leg that is to lift
     heavy: float = 0.0
     shins: float = 0.0  # how many of the swings stand on their shin
+    straight: float = 0.0  # how many end on a leg too straight to feel the ground, and push the body up from it
     clipped: float = 0.0
     pauses: float = 0.0  # how many of the ticks command nothing
 
@@ -59,7 +60,7 @@ class Pair:
         if name not in ROOMY:
             self.bounds.update(CRAMPED)
         self.origin = [0.0] * 3
-        self.pushed, self.turned, self.met = 0.0, 0, set()
+        self.pushed, self.straight, self.turned, self.met = 0.0, False, 0, set()
         self.stand()
 
     def stand(self):
@@ -156,14 +157,15 @@ class Pair:
         x, y, z = self.metres(pack(c.swing.place))
         seen_x = self.stopped(x, z)
         ground = self.ground(seen_x)
-        load = max(0.0, ground - z) / self.size * 40 + trouble.noise * self.dice.uniform(-0.1, 0.1)
+        pressed = max(0.0, ground - z)
+        self.push(leg, pressed)
+        load = (0.0 if self.straight else pressed) / self.size * 40 + trouble.noise * self.dice.uniform(-0.1, 0.1)
         self.put(c.map.seen[leg], (seen_x, y, max(z, ground)))
         c.support.load_q12[leg], c.support.force_q12[leg] = 0, round((trouble.tare + min(load, 0.5)) * 4096)
         hip = [self.pose(self.crawl.path.wanted)[axis] + self.legs[leg].hip[axis] for axis in range(3)]
         away = [a - b for a, b in zip((x, y, z), hip, strict=True)]
         plane = sum(way * way for way in away) - self.legs[leg].l1 ** 2
         c.swing.leg_length = round(math.sqrt(max(0.0, plane)) / self.unit_m)
-        self.push(leg)
 
     def stopped(self, x, z):
         """Return where a foot wanted at (x, z) is stopped by the risers."""
@@ -175,14 +177,19 @@ class Pair:
                 return riser - 1e-4
         return x
 
-    def push(self, leg):
-        """Push the corner of the body over a leg that comes down on its shin, until it lifts."""
+    def push(self, leg, pressed):
+        """Push the corner of the body up over a leg that comes down on its shin, or straight on ground, until it lifts.
+
+        pressed: how far below the ground it is told to be, m.
+        """
         c = self.crawl
-        if c.stage.stage == at.LOWER and c.stage.stage_tick == 3 and self.dice.random() < self.trouble.shins:
-            self.pushed = self.dice.uniform(0.05, 0.15)
+        if c.stage.stage == at.LOWER and c.stage.stage_tick == 3:
+            self.pushed = self.dice.uniform(0.05, 0.15) if self.dice.random() < self.trouble.shins else 0.0
+            self.straight = self.dice.random() < self.trouble.straight
         elif c.stage.stage != at.LOWER:
-            self.pushed = 0.0
-        c.map.body_pose.pitch += round((-self.pushed if leg < 2 else self.pushed) / FINE_RAD)
+            self.pushed, self.straight = 0.0, False
+        tilt = self.pushed + (pressed / self.k.half_length if self.straight else 0.0)
+        c.map.body_pose.pitch += round((-tilt if leg < 2 else tilt) / FINE_RAD)
 
     # --- any point
 

@@ -324,6 +324,15 @@ def test_a_corner_of_the_body_is_pushed_up(nose_up, left_up, leg):
     assert abs(contact.corner_lift(c, leg) * UNIT_M - exact) < 0.1 * MM
 
 
+@repeatable(300)
+@given(st.floats(0.0, 0.012), st.floats(-0.02, 0.02))
+def test_a_foot_on_its_expected_ground_that_pushes_the_body_up_stands(lift_m, off_m):
+    near, least = abs(off_m) - setting("drop_depth") / 3, lift_m - setting("stand_lift")
+    if abs(near) > 0.05 * MM and abs(least) > 0.05 * MM:
+        lift = round(lift_m / UNIT_M)
+        assert contact.stands_straight(PARAMS, lift, fine(off_m)) == int(near < 0 < least)
+
+
 @repeatable(100)
 @given(integers(0, 3), st.floats(0.0, 0.06), st.floats(0.03, 0.1))
 def test_a_riser_is_felt_by_how_late_the_foot_is(leg, behind_m, way_m):

@@ -264,6 +264,7 @@ PROBES = (
     _stateful(contact, "follow_tare", (ROBOT, CONTACT, FORCE, Range(0, 32768))),
     _stateful(contact, "feel_ground", (ROBOT, CONTACT, FORCE)),
     _stateful(contact, "corner_lift", (CRAWL, LEG)),
+    _stateful(contact, "stands_straight", (ROBOT, UNIT, PLACE)),
     _stateful(contact, "keep_past", (CONTACT, PLACE)),
     _stateful(contact, "feel_riser", (CRAWL, PLACE)),
     _stateful(swing_leg, "lift_foot", (ROBOT, FOOT)),
