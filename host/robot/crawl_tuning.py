@@ -17,6 +17,7 @@ from .model import Robot
 
 _LEG_MM = 240  # the leg that the table's lengths belong to
 _STRIDE_MM = 90  # the longest
+_LEAST_BEND = round(32768 * 30 / 180)  # brad, of a calf: the joints' errors show a foot's load times its sine
 _SECOND_US = 1_000_000
 # The core's unit -> how a field's name ends, how its key ends in the file, how many of the table's units are 1 in SI
 _UNITS = {
@@ -92,9 +93,10 @@ def _scaled(value: int, unit: str, leg: int, rate_hz: int) -> int:
 def _shape(params: Params) -> None:
     """Write what follows from hips and legs: the hips are carried at 0.865 of the straightest leg.
 
-    Caramelo's are at 185 mm of 214: straighter knees need less torque. A trot's foot goes no higher than half way from
-    the hip's offset to the shortest leg below the hip (clearance): up to there, its leg's direction turns by no more
-    than the foot's way over that depth. Above it the joints reach only to the ends of thigh and calf.
+    Caramelo's are at 185 mm of 214: straighter knees need less torque. No leg gets so straight that it does not feel
+    its load: Solo 12 and SpotMicro did not notice the ground behind a drop. A trot's foot goes no higher than half way
+    from the hip's offset to the shortest leg below the hip (clearance): up to there, its leg's direction turns by no
+    more than the foot's way over that depth. Above it the joints reach only to the ends of thigh and calf.
     """
     crawl, front = params.crawl, params.legs[FR]
     length = front.hip.x - params.legs[RR].hip.x
@@ -104,9 +106,10 @@ def _shape(params: Params) -> None:
     crawl.half_width = abs(front.hip.y + front.hip_length)
     bends = [_bend(params.legs[leg]) for leg in range(LEGS)]
     straight = min(32767, *(far for far, _ in bends))
+    feeling = min(straight, *(bent_length(params.legs[leg], _LEAST_BEND) for leg in range(LEGS)))
     crawl.height = straight * 173 // 200
-    crawl.reach = straight - straight // 49
-    crawl.swing_reach = straight - straight // 240
+    crawl.reach = feeling - feeling // 49
+    crawl.swing_reach = feeling - feeling // 240
     crawl.folded = max(near + near // 72 for _, near in bends)
 
 

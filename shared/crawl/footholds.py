@@ -69,6 +69,14 @@ def foothold_keep(map: Map, footholds: Footholds, side: int) -> int:
 
 
 @hot
+def draw_back(crawl: Crawl, side: int) -> None:
+    """Draw the foothold before the last of a side back: its front foot has stepped down from there, maybe off a rim."""
+    queue = crawl.footholds.sides[side]
+    if queue.waiting > 1:
+        queue.places[queue.waiting - 2].x -= crawl.params.crawl.edge_retreat << LF_BITS
+
+
+@hot
 def follow_front_feet(crawl: Crawl) -> None:
     """Let the footholds on which front feet stand follow them in the map."""
     for side in range(2):

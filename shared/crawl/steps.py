@@ -12,7 +12,7 @@ from ..num.fixed import saturate
 from ..runtime import const, hot
 from .contact import corner_lift, feel_ground, feel_riser, keep_past, stands_straight, start_contact, take_tare
 from .even import note_landing, stride_lf, strides_out
-from .footholds import aim, foothold_add, lay_between, next_foothold_x, steps_down
+from .footholds import aim, draw_back, foothold_add, lay_between, next_foothold_x, steps_down
 from .goals import bridge
 from .pose import mass_target, move_body, plan_body, resting_x
 from .state import (
@@ -355,6 +355,8 @@ def land(crawl: Crawl, leg: int) -> None:
     if leg < RR:
         foothold_add(crawl.map, crawl.footholds, leg)
         crawl.footholds.sides[leg].taken = 1
+        if foot.z < crawl.swing.target.z - (crawl.params.crawl.edge_height << LF_BITS):
+            draw_back(crawl, leg)
     note_landing(crawl, leg)
     bridge(crawl, leg, 0)
     stage.turn = stage.turn + 1 & 3

@@ -435,6 +435,9 @@ class Machine:
         if leg < RR:
             if len(self.prints[leg]) == 4:
                 self.take_print(leg)
+            down = s.target[2] - self.feet[leg][2]
+            if self.prints[leg] and self.doubt.above(down, self.k.edge_height, PLACE_ROUNDING):
+                self.prints[leg][-1][0] -= self.k.edge_retreat
             self.prints[leg].append(list(self.feet[leg]))
             self.on_print[leg] = True
         off = crawl.uneven(self.feet, leg, (s.source[0], s.target[2]))

@@ -250,6 +250,7 @@ PROBES = (
     Probe(footholds, "foothold_line", (ROBOT, FLAG)),
     _stateful(footholds, "foothold_add", (MAP, FOOTHOLDS, FLAG)),
     Probe(footholds, "foothold_keep", (MAP, FOOTHOLDS, FLAG), watch=(FOOTHOLDS,), fit=_with_foothold),
+    _stateful(footholds, "draw_back", (CRAWL, FLAG)),
     _stateful(footholds, "follow_front_feet", (CRAWL,)),
     _stateful(footholds, "foothold_drop", (FOOTHOLDS, FLAG)),
     _stateful(footholds, "aim", (CRAWL, LEG)),
