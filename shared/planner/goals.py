@@ -37,7 +37,7 @@ def follow_goals(params: Params, wanted: Ints, joints: Ints) -> None:
     and calf are then equally fast, every angle stays between where it was and where it is wanted, and goals within the
     joint limits stay within them. Exact. Intermediates: two sums of two angles, below 2^18.
     """
-    most = params.joint_near
+    most = params.joint_speed_safe
     least = -most
     for at in range(0, JOINTS, 3):
         hip = wanted[at] - joints[at]
@@ -58,11 +58,11 @@ def follow_leg(params: Params, wanted: Ints, joints: Ints, at: int) -> None:
     calf = wanted[at + CALF] - joints[at + CALF]
     if params.coupled:
         calf += thigh
-    thigh = saturate(thigh, -params.joint_top.thigh, params.joint_top.thigh)
-    calf = saturate(calf, -params.joint_top.calf, params.joint_top.calf)
+    thigh = saturate(thigh, -params.joint_speed_max.thigh, params.joint_speed_max.thigh)
+    calf = saturate(calf, -params.joint_speed_max.calf, params.joint_speed_max.calf)
     if params.coupled:
         calf -= thigh
-    joints[at] += saturate(wanted[at] - joints[at], -params.joint_top.hip, params.joint_top.hip)
+    joints[at] += saturate(wanted[at] - joints[at], -params.joint_speed_max.hip, params.joint_speed_max.hip)
     joints[at + THIGH] += thigh
     joints[at + CALF] += calf
 
@@ -72,7 +72,7 @@ def joints_near(params: Params, readings: Ints, joints: Ints) -> int:
     """Return 1 if each of ``joints`` (12 brad) can get to its reading within one tick, else 0."""
     for joint in range(JOINTS):
         gap = readings[joint] - joints[joint]
-        top = params.joint_top[joint % 3]
+        top = params.joint_speed_max[joint % 3]
         if gap > top or gap < -top:
             return 0
     return 1

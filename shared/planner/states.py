@@ -133,7 +133,7 @@ def end_move(planner: PlannerState) -> None:
 def lie_folded(planner: PlannerState) -> None:
     """Set the goals to all legs folded at the sides."""
     for leg in range(LEGS):
-        lies = planner.params.legs[leg].lies
+        lies = planner.params.legs[leg].folded
         planner.goal[leg * 3] = lies.hip
         planner.goal[leg * 3 + THIGH] = lies.thigh
         planner.goal[leg * 3 + CALF] = lies.calf

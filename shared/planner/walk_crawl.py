@@ -34,7 +34,7 @@ def walk_crawl(planner: PlannerState, command: Command, sensed: Sensed) -> int:
         return REASON_NONE
     roll = saturate(sensed.tilt[ROLL], -32768, 32767)
     pitch = saturate(sensed.tilt[PITCH], -32768, 32767)
-    if planner.crawl.stage.stage == STILL and planner.sensing.known > planner.params.sent_ticks + 1:
+    if planner.crawl.stage.stage == STILL and planner.sensing.known > planner.params.delay_ticks + 1:
         crawl_start(planner.crawl, planner.sensing, sensed.joints, planner.joints, roll, pitch)
     if planner.crawl.stage.stage == STILL:
         return REASON_NONE

@@ -39,7 +39,7 @@ def watch_weight(planner: PlannerState) -> None:
             status.carries_weight = POSED
         status.feet_load_q12 = 0
         return
-    status.feet_load_q12 += (carried(planner) - status.feet_load_q12) * planner.params.evened_q10 >> 10
+    status.feet_load_q12 += (carried(planner) - status.feet_load_q12) * planner.params.average_q10 >> 10
     if status.carries_weight != CARRIES:
         ask(planner)
     elif status.feet_load_q12 < _QUARTER_Q12:
@@ -69,7 +69,7 @@ def ask(planner: PlannerState) -> None:
     """See whether the feet carry the robot: when it has risen, before it walks, while it stands, after a pose."""
     status = planner.status
     tells = 0
-    if planner.sensing.known == planner.params.sent_ticks + _RISEN:
+    if planner.sensing.known == planner.params.delay_ticks + _RISEN:
         status.feet_load_q12 = carried(planner)
         tells = 1
     elif status.state == STANDING or status.carries_weight == POSED:

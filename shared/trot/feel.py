@@ -29,9 +29,9 @@ def feel(params: Params, walk: Trot, turned: Turn, valid: int) -> None:
         return
     if state.known:
         see_speed(params, walk, turned)
-    if state.known > params.sent_ticks:
+    if state.known > params.delay_ticks:
         see_residual(params, walk)
-    elif state.known == params.sent_ticks:
+    elif state.known == params.delay_ticks:
         free_feet(params, walk)
     if state.known < 100:
         state.known += 1
@@ -48,7 +48,7 @@ def see_speed(params: Params, walk: Trot, turned: Turn) -> None:
     about_x = saturate(turned.x, -_TURN_MAX, _TURN_MAX)
     about_y = saturate(turned.y, -_TURN_MAX, _TURN_MAX)
     about_z = saturate(turned.z, -_TURN_MAX, _TURN_MAX)
-    stood = walk.past_stance[state.ring_at - params.sent_ticks - 1 & 15] & walk.past_stance[state.ring_at - 1 & 15]
+    stood = walk.past_stance[state.ring_at - params.delay_ticks - 1 & 15] & walk.past_stance[state.ring_at - 1 & 15]
     count = 0
     ahead = 0
     aside = 0
@@ -63,7 +63,7 @@ def see_speed(params: Params, walk: Trot, turned: Turn) -> None:
             aside -= (foot.y - before.y << LF_BITS) + (about_z * x - about_x * z >> 9)
             count += 1
     if count:
-        share_q10 = params.trot.odometry_q10
+        share_q10 = params.trot.speed_filter_q10
         ahead = saturate(ahead // count - state.measured_speed.x, -_SPEED_MAX, _SPEED_MAX)
         aside = saturate(aside // count - state.measured_speed.y, -_SPEED_MAX, _SPEED_MAX)
         state.measured_speed.x += ahead * share_q10 + 512 >> 10
@@ -73,7 +73,7 @@ def see_speed(params: Params, walk: Trot, turned: Turn) -> None:
 @hot
 def free_feet(params: Params, walk: Trot) -> None:
     """Begin the residuals: take each unhindered foot to be where it was sent."""
-    sent = (walk.state.ring_at - params.sent_ticks & 15) * LEGS
+    sent = (walk.state.ring_at - params.delay_ticks & 15) * LEGS
     for leg in range(LEGS):
         walk.free_x_q4[leg] = walk.past_x[sent + leg] << 4
         walk.free_z_q4[leg] = walk.past_z[sent + leg] << 4
@@ -86,8 +86,8 @@ def see_residual(params: Params, walk: Trot) -> None:
     That is where the goals that the joints now answer sent it, behind by the drives' lag for which the goals do not
     compensate. Error of a step: 1/16 lu. Intermediates: 2^17 * 2^12.
     """
-    share_q12 = params.trot.free_lag_q12
-    sent = (walk.state.ring_at - params.sent_ticks & 15) * LEGS
+    share_q12 = params.trot.response_q12
+    sent = (walk.state.ring_at - params.delay_ticks & 15) * LEGS
     for leg in range(LEGS):
         foot = walk.measured.legs[leg]
         ahead = walk.free_x_q4[leg]

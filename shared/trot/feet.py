@@ -59,10 +59,10 @@ def spare(params: Params, walk: Trot, leg: int) -> int:
     A leg that can't lift its corner of the body pushes with all its force, whichever way that points, and throws the
     body ahead. The excess over 0.12 of the leg is taken back in an eighth of a cycle. Intermediates: 2^15 * 2^13.
     """
-    if walk.state.known <= params.sent_ticks:
+    if walk.state.known <= params.delay_ticks:
         return 0
     over = saturate(walk.residual_z[leg] - (params.leg_length * _PUSHED_Q10 >> 10), 0, _FAR)
-    return over * params.trot.raise_q16 >> 4
+    return over * params.trot.height_kp_q16 >> 4
 
 
 @hot
@@ -126,7 +126,7 @@ def free_way_q15(params: Params, share_q15: int) -> int:
     corner of the body down instead of rising. Intermediates: 2^15 * 2^14.
     """
     setup = params.trot
-    return cycloid_way_q15(saturate((share_q15 - setup.free_from_q15) * setup.free_rate_q13 >> 13, 0, 32767))
+    return cycloid_way_q15(saturate((share_q15 - setup.rise_first_q15) * setup.rise_first_rate_q13 >> 13, 0, 32767))
 
 
 @hot

@@ -74,7 +74,7 @@ def follow_feet(params: Params, walk: Trot, count: int, middle_x: int, middle_y:
 def follow_slope(params: Params, walk: Trot, axis: int, off_q14: int) -> None:
     """Correct one slope, within +-0.3, by a share of its error ``off_q14``, any 30 bits."""
     state = walk.state
-    step = saturate(off_q14, -_STEP_Q14, _STEP_Q14) * params.trot.slope_q15 >> 9
+    step = saturate(off_q14, -_STEP_Q14, _STEP_Q14) * params.trot.slope_gain_q15 >> 9
     state.slope_q20[axis] = saturate(state.slope_q20[axis] + step, -_MOST_Q20, _MOST_Q20)
 
 
@@ -83,7 +83,7 @@ def follow_uneven(params: Params, walk: Trot, off: int) -> None:
     """Average how far the feet are off their plane: ``off`` in lu, 0 or more. Intermediates: 2^16 * 2^13."""
     state = walk.state
     off = saturate(off, 0, params.leg_length >> 4) << 4
-    state.uneven_q4 += (off - state.uneven_q4) * params.trot.slope_q15 >> 17
+    state.uneven_q4 += (off - state.uneven_q4) * params.trot.slope_gain_q15 >> 17
 
 
 @hot

@@ -57,7 +57,7 @@ def lead(params: Params, walk: Trot, goal: Ints) -> None:
     compensated while feet carry the expected load: not after something was met. Intermediates: 2^15 * 2^14.
     """
     lag = params.trot.lag_q8
-    most = params.joint_near
+    most = params.joint_speed_safe
     least = -most
     for leg in range(LEGS):
         at = leg * 3
@@ -77,7 +77,7 @@ def lead(params: Params, walk: Trot, goal: Ints) -> None:
         for joint in range(3):
             step = walk.joints[at] - walk.joints_before[at]
             if step > most or step < least:
-                step = saturate(step, -params.joint_top[joint], params.joint_top[joint])
+                step = saturate(step, -params.joint_speed_max[joint], params.joint_speed_max[joint])
             goal[at] += step * led >> 8
             at += 1
 
@@ -92,7 +92,7 @@ def slide(params: Params, walk: Trot, leg: int, goal: Ints) -> None:
     """
     setup = params.trot
     friction = setup.friction
-    slides_q16 = setup.slides_q16
+    friction_rate_q16 = setup.friction_rate_q16
     joints = walk.joints
     before = walk.joints_before
     at = leg * 3
@@ -109,8 +109,8 @@ def slide(params: Params, walk: Trot, leg: int, goal: Ints) -> None:
         held = given
         if held < 0:
             held = -held
-        held = friction[joint] + (held * setup.friction_q12 >> 12)
-        slides_q12 = step * slides_q16 >> 4
+        held = friction[joint] + (held * setup.load_friction_q12 >> 12)
+        slides_q12 = step * friction_rate_q16 >> 4
         if slides_q12 > _ONE_Q12 or slides_q12 < -_ONE_Q12:
             slides_q12 = saturate(slides_q12, -_ONE_Q12, _ONE_Q12)
         ahead = (slides_q12 * held >> 12) - ahead

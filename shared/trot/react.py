@@ -33,7 +33,7 @@ def react(params: Params, walk: Trot, leg: int) -> int:
     """Watch one swing foot; return 1 if it stands from now on, 0 if it swings on."""
     state = walk.state
     ascent_lag = walk.ascent_lag
-    if state.known <= params.sent_ticks:
+    if state.known <= params.delay_ticks:
         return 0
     up = walk.residual_z[leg]
     if state.swing_q15 <= _MIDDLE:
@@ -42,7 +42,7 @@ def react(params: Params, walk: Trot, leg: int) -> int:
     else:
         slack = saturate(ascent_lag[leg] - (params.leg_length * _LAGS_Q10 >> 10), 0, 32767)
         if up > (params.leg_length * _HIGH_Q10 >> 10) + slack + (slack >> 1):
-            state.high_left = params.trot.high_way
+            state.high_left = params.trot.high_distance
             meet_ground(params, walk, leg, _MET_QUARTERS)
             return 1
     if state.swing_q15 > _RISEN:
@@ -83,7 +83,7 @@ def see_held_up(params: Params, walk: Trot, leg: int) -> None:
     walk.held_up[leg] = 1
     if high == 0:
         state.held_up_count += 1
-        state.high_left = setup.high_way
+        state.high_left = setup.high_distance
         walk.apex[leg] = setup.high_lift
 
 
@@ -198,7 +198,7 @@ def land(params: Params, walk: Trot, leg: int) -> None:
     It would push its corner of the body up by as much, and tip it over. It is checked once, while the joints still show
     the landing: later it would be a leg that sags under its load. On the level a high swing just lags by as much.
     """
-    if walk.early_contact[leg] or walk.state.known <= params.sent_ticks:
+    if walk.early_contact[leg] or walk.state.known <= params.delay_ticks:
         return
     if walk.residual_z[leg] > params.leg_length * _LANDED_Q10 >> 10 and climbs(params, walk):
         meet_ground(params, walk, leg, _LANDED_QUARTERS)
@@ -250,5 +250,5 @@ def count_high(params: Params, walk: Trot) -> None:
         ahead = -ahead
     if aside < 0:
         aside = -aside
-    gone = saturate(ahead + aside, setup.high_slowest, setup.high_way)
-    state.high_left = saturate(state.high_left - gone, 0, setup.high_way)
+    gone = saturate(ahead + aside, setup.high_slowest, setup.high_distance)
+    state.high_left = saturate(state.high_left - gone, 0, setup.high_distance)

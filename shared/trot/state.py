@@ -10,7 +10,7 @@ from ..sense.legs import MeasuredFeet
 from ..sense.odometry import Odometry
 
 CYCLE_Q20 = const(0x100000)
-DELAY_TICKS = const(16)  # how much of the past is kept; params.sent_ticks is at most 15
+HISTORY_TICKS = const(16)  # how much of the past is kept; params.delay_ticks is at most 15
 
 
 @record
@@ -90,9 +90,9 @@ class Trot:
         self.joints = zeros(JOINTS)  # brad: they reach ``hip_feet``
         self.joints_before = zeros(JOINTS)  # brad: the same a tick ago
         self.last_pose = Pose()  # the pose of the tick before
-        self.past_x = zeros(DELAY_TICKS * LEGS)  # lu: rings of the planned feet
-        self.past_z = zeros(DELAY_TICKS * LEGS)
-        self.past_stance = zeros(DELAY_TICKS)  # bits: ring of the stance legs
+        self.past_x = zeros(HISTORY_TICKS * LEGS)  # lu: rings of the planned feet
+        self.past_z = zeros(HISTORY_TICKS * LEGS)
+        self.past_stance = zeros(HISTORY_TICKS)  # bits: ring of the stance legs
 
 
 @hot

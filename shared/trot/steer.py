@@ -135,7 +135,7 @@ def wait_for_feet(params: Params, walk: Trot, pose: Pose) -> None:
         total += (walk.feet.legs[leg].x >> LF_BITS) - rest.x
     most = params.leg_length * _LATE_Q10 >> 10
     off = saturate((total >> 2) + pose.x - params.com_x, -_OFF_MAX, _OFF_MAX)
-    slow = (saturate(off, -most, most) - off) * params.trot.raise_q16 >> 4
+    slow = (saturate(off, -most, most) - off) * params.trot.height_kp_q16 >> 4
     ahead = state.foot_speed.x
     if (ahead > 0 and slow < 0) or (ahead < 0 and slow > 0):
         return
@@ -192,7 +192,7 @@ def tilt_to_come(params: Params, tilt: int, turned: int) -> int:
 def turn_level(params: Params, wrong: int) -> int:
     """Return this tick's turn about x or y, 2^-18 rad, to level a body that is tilted ``wrong`` brad too far."""
     wrong = saturate(wrong, -_TILT_MAX, _TILT_MAX)
-    return saturate(-(wrong * params.trot.level_q12 >> 12), -_TURN_MAX, _TURN_MAX)
+    return saturate(-(wrong * params.trot.level_kp_q12 >> 12), -_TURN_MAX, _TURN_MAX)
 
 
 @hot
@@ -212,5 +212,5 @@ def rise(params: Params, walk: Trot, pose: Pose) -> None:
     state.rise_speed = 0
     if state.standing:
         low = saturate(params.trot.height + pose.z + total // state.standing, -16383, 16383)
-        state.rise_speed = (low * params.trot.raise_q16 >> 8) + (pose.z - walk.last_pose.z << LF_BITS)
+        state.rise_speed = (low * params.trot.height_kp_q16 >> 8) + (pose.z - walk.last_pose.z << LF_BITS)
     walk.last_pose.z = pose.z

@@ -68,7 +68,7 @@ class Planner:
             self.walk(command)
             self.level(command, sensed)
             self.wanted = self.solve()
-        self.joints = goals.follow(self.wanted, self.joints, self.robot.joint_top, self.robot.coupled)
+        self.joints = goals.follow(self.wanted, self.joints, self.robot.joint_speed_max, self.robot.coupled)
         return self.joints
 
     def choose(self, command, sensed):
@@ -90,7 +90,7 @@ class Planner:
         self.start = self.joints
         self.goal = self.solve(self.robot.sit_z if state == SITTING else None)
         longest = max([abs(a - b) for a, b in zip(self.start, self.goal)])
-        self.move_ticks = 1 + int(2 * longest / self.robot.joint_step)
+        self.move_ticks = 1 + int(2 * longest / self.robot.joint_speed_slow)
         self.move_tick = 0
 
     def move_joints(self):

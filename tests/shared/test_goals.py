@@ -36,7 +36,7 @@ def motors(params, joints):
 
 def tops(params):
     """Return how far each motor turns in a tick, brad."""
-    return pack(params.joint_top) * 4
+    return pack(params.joint_speed_max) * 4
 
 
 def too_fast(params, before, now):
@@ -54,7 +54,7 @@ def too_fast(params, before, now):
 def test_goals_follow_as_fast_as_the_motors_turn_and_stay_between(name, data):
     params, wanted, start = block(name), data.draw(ANGLES), data.draw(ANGLES)
     joints = array("i", start)
-    exact = twin.follow(wanted, start, pack(params.joint_top), params.coupled)
+    exact = twin.follow(wanted, start, pack(params.joint_speed_max), params.coupled)
     follow_goals(params, wanted, joints)
     assert list(joints) == exact
     assert too_fast(params, start, joints) == []
@@ -68,7 +68,7 @@ def test_goals_follow_as_fast_as_the_motors_turn_and_stay_between(name, data):
 def test_a_motor_on_the_body_is_what_the_limit_is_for():
     """Thigh forward and calf back as far: its motor stands still, so only the thigh's speed counts."""
     params = block("parallel")
-    top = params.joint_top.thigh
+    top = params.joint_speed_max.thigh
     joints = array("i", [0] * 12)
     follow_goals(params, [0, 9 * top, -9 * top] * 4, joints)
     assert list(joints) == [0, top, -top] * 4
@@ -89,9 +89,9 @@ def test_near_is_within_a_tick_of_every_joint():
 def test_the_joints_speed_is_that_of_the_robot_file():
     """55 rpm at 12 V, through Caramelo's rod for the calf; 10 rad/s of Parallel's boards."""
     caramelo, parallel = block("caramelo"), block("parallel")
-    assert pack(caramelo.joint_top) == [1201, 1201, 1349]
-    assert pack(parallel.joint_top) == [2086, 2086, 2086]
-    assert block("caramelo", 500).joint_top.hip == 120
+    assert pack(caramelo.joint_speed_max) == [1201, 1201, 1349]
+    assert pack(parallel.joint_speed_max) == [2086, 2086, 2086]
+    assert block("caramelo", 500).joint_speed_max.hip == 120
     assert block("caramelo", 500).read_step == 2 * block("caramelo", 50).read_step // 2
 
 
@@ -203,7 +203,7 @@ def wild_senses(walker, dice):
 def lived(name, rate_hz, ticks, seed):
     """Let a planner live with anything; return the states it was in, and (tick, state, motors) that were too fast."""
     walker, dice = Walker(name, rate_hz), random.Random(seed)
-    walker.params.joint_step = walker.params.joint_top.hip // 2  # up fast: more of the time is walked
+    walker.params.joint_speed_slow = walker.params.joint_speed_max.hip // 2  # up fast: more of the time is walked
     walker.stand()
     states, wrong, before = set(), [], list(walker.planner.joints)
     for tick in range(ticks):

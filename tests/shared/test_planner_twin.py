@@ -146,7 +146,7 @@ def test_a_restless_driver_is_followed_like_the_float_planner():
 def test_standing_up_and_sitting_down_are_the_float_moves():
     pair = Pair("caramelo", 50)
     pair.walker.mode(c.MODE_STAND)
-    lag_rad = 2 * rad(pair.walker.params.joint_step)  # the moves may differ by a tick
+    lag_rad = 2 * rad(pair.walker.params.joint_speed_slow)  # the moves may differ by a tick
     for mode, goal in ((c.MODE_STAND, n.STANDING), (c.MODE_SIT, n.SEATED), (c.MODE_STAND, n.STANDING)):
         pair.walker.mode(mode)
         while pair.walker.state != goal or pair.twin.state != goal:

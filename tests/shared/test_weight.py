@@ -13,7 +13,7 @@ from shared.record import pack
 
 from .walker import Walker
 
-EVENED_S, TICK_S = 0.2, 0.02
+AVERAGE_S, TICK_S = 0.2, 0.02
 BOUND = 0.03  # of the own weight, for loads of up to 16 of it
 
 
@@ -34,7 +34,7 @@ class Rule:
 
         ``rounded`` is what integers felt: it decides where that is too near to a limit for floats to contradict.
         """
-        share = 1.0 if risen and not self.carries else TICK_S / (EVENED_S + TICK_S)
+        share = 1.0 if risen and not self.carries else TICK_S / (AVERAGE_S + TICK_S)
         self.felt += (carried - self.felt) * share
         assert rounded == pytest.approx(self.felt, abs=BOUND)
         if not self.carries:
@@ -80,7 +80,7 @@ def test_who_is_lifted(seed):
         rule.told(mode)
         planner.odometry.carried_q12 = round(4096 * weight)
         risen, felt = dice.random() < 0.01, status.feet_load_q12
-        planner.sensing.known = walker.params.sent_ticks + 4 if risen else 100
+        planner.sensing.known = walker.params.delay_ticks + 4 if risen else 100
         stands = status.state == n.STANDING
         status.pose_moves = int(dice.random() < 0.003)
         watch_weight(planner)
@@ -140,7 +140,7 @@ def test_felt_and_missed():
         before = list(walker.planner.joints)
         loaded(walker, 0.0)
     gone = [abs(now - then) for now, then in zip(walker.planner.joints, before, strict=True)]
-    assert max(gone) <= walker.params.joint_step  # slowly from its first tick on
+    assert max(gone) <= walker.params.joint_speed_slow  # slowly from its first tick on
     place, goals = pack(walker.planner.odometry.place), None
     for tick in range(200):
         walker.speed(0.2)

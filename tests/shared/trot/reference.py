@@ -150,7 +150,7 @@ class FloatTrot:
                 self.measured_speed[i] += share * (mean - self.measured_speed[i])
 
     def see_residual(self, feet):
-        share = self.dt / (self.dt + tuning.FREE_LAG_SHARE * self.f.lag_s)
+        share = self.dt / (self.dt + tuning.UNHINDERED_LAG_SHARE * self.f.lag_s)
         wanted = self.past[-self.delay][0]
         for leg in range(4):
             for i, axis in enumerate((0, 2)):
@@ -344,7 +344,7 @@ class FloatTrot:
     def swing_feet(self, pose):
         u = self.u
         along, down, up = way(min(1.0, u / tuning.AHEAD_SHARE)), way(u), (1 - math.cos(2 * math.pi * u)) / 2
-        rising = min(1.0, max(0.0, (u - tuning.FREE_FROM) / (tuning.FREE_TO - tuning.FREE_FROM)))
+        rising = min(1.0, max(0.0, (u - tuning.AHEAD_FROM) / (tuning.AHEAD_TO - tuning.AHEAD_FROM)))
         for leg in range(4):
             if self.stance[leg] == 0:
                 rest = self.f.rests_m[leg][0] - pose[0], self.f.rests_m[leg][1] - pose[1]
@@ -410,7 +410,7 @@ class FloatTrot:
         """Return what is led of the friction of a leg's joints, which their motors feel."""
         (hip, thigh, calf), (_, thigh_give, calf_give), coupled = steps, give, self.robot.calf_drive.coupled
         steps, give = (hip, thigh, calf + coupled * thigh), (give[0], thigh_give, calf_give + coupled * thigh_give)
-        slow = tuning.SLIDES_SHARE * self.fastest[0]
+        slow = tuning.FRICTION_SHARE * self.fastest[0]
         led = [limit(step / slow, 1.0) * (dry + self.of_sag * abs(given))
                for step, given, dry in zip(steps, give, self.friction, strict=True)]
         return led[0], led[1], led[2] - coupled * led[1]

@@ -20,7 +20,7 @@ from .test_twin import UNEVEN_Q4, Pair
 @pytest.fixture
 def pair():
     one = Pair("caramelo", 50)
-    one.walk.state.high_left = one.params.trot.high_way
+    one.walk.state.high_left = one.params.trot.high_distance
     return one
 
 
@@ -47,9 +47,9 @@ def test_swings_stay_high_while_it_climbs_and_no_longer(pair):
     state.slope_q20.x, state.uneven_q4 = 1 << 18, UNEVEN_Q4
     for _ in range(1000):
         lift_on(pair.params, pair.walk)
-    assert state.high_left == setup.high_way
+    assert state.high_left == setup.high_distance
     state.slope_q20.x = 0
-    for _ in range(setup.high_way // setup.high_slowest + 2):
+    for _ in range(setup.high_distance // setup.high_slowest + 2):
         lift_on(pair.params, pair.walk)
     assert state.high_left == 0
     assert state.lift == setup.low_lift
@@ -59,7 +59,7 @@ def test_swings_stay_high_while_it_climbs_and_no_longer(pair):
 @pytest.mark.parametrize("high", [0, 1])
 def test_the_next_swing_is_highest_after_one_that_was_held_up_while_swings_are_high(pair, held, high):
     state, setup, walk = pair.walk.state, pair.params.trot, pair.walk
-    state.lift, state.high_left, walk.held_up[1] = setup.high_lift, high * setup.high_way, held
+    state.lift, state.high_left, walk.held_up[1] = setup.high_lift, high * setup.high_distance, held
     assert swing_apex(pair.params, walk, 1) == (setup.highest_lift if held and high else setup.high_lift)
 
 
@@ -116,7 +116,7 @@ def test_the_time_in_which_a_landing_is_told_is_an_eighth_of_a_cycle_after_the_b
         robot = robot.model_copy(update={"bus": robot.bus.model_copy(update={"delay_s": delay_s})})
         params = core_params(robot, 100)
         told = params.trot.landing_q20 / 2**20 * tuning.trot_figures(robot).cycle_s
-        assert told == pytest.approx(pair.twin.f.cycle_s / 8 + params.sent_ticks / 100, abs=0.001)
+        assert told == pytest.approx(pair.twin.f.cycle_s / 8 + params.delay_ticks / 100, abs=0.001)
 
 
 @pytest.mark.parametrize("pushed", [0, 2])

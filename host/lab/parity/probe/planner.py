@@ -129,7 +129,7 @@ def _live_about_to_lift(values, dice):
     status.carries_weight = dice.below(3)
     status.feet_load_q12 = dice.bits(11) if dice.bits(2) else dice.bits(17) - 65536
     status.pose_moves = 0 if dice.bits(2) else 1
-    robot.sensing.known = robot.params.sent_ticks + 4 - dice.bits(1)
+    robot.sensing.known = robot.params.delay_ticks + 4 - dice.bits(1)
     status.lifted = dice.bits(1)
 
 
@@ -137,9 +137,9 @@ def answer(robot: Planner, joints):
     """Write the joints, 12 brad, as they answer the goals of a while ago: legs that stand give under the weight."""
     params: Params = robot.params
     sensing = robot.sensing
-    sent = (sensing.sent_at - params.sent_ticks & 15) * 12
+    sent = (sensing.sent_at - params.delay_ticks & 15) * 12
     for joint in range(12):
-        joints[joint] = sensing.sent[sent + joint] if sensing.known > params.sent_ticks else robot.joints[joint]
+        joints[joint] = sensing.sent[sent + joint] if sensing.known > params.delay_ticks else robot.joints[joint]
         ANSWERED[joint] = joints[joint]
     legs_forward(params, ANSWERED, WAVES, HIP_FEET)
     stand = sum([1 - (robot.status.swinging >> leg & 1) for leg in range(4)])
