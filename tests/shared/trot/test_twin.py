@@ -72,7 +72,7 @@ class Pair:
         speed_si = scale.metres_per_second(told[0]), scale.metres_per_second(told[1]), told[2] * self.rate_hz / 2**18
         pose_si = [scale.metres(p) for p in pose[:3]] + [p / BRAD_PER_RAD for p in pose[3:]]
         goals = self.twin.tick(senses, speed_si, pose_si, moving, balance)
-        self.walk.wish.moving, self.walk.wish.balance = int(moving), int(balance)
+        self.walk.command.moving, self.walk.command.balance = int(moving), int(balance)
         sense_legs(self.params, sensed.joints, 0, 0, self.feet, self.sensing)
         trot_tick(self.params, self.walk, sensed, unpack(Twist(), told), unpack(Pose(), pose), self.goal)
         self.plant.sent.append(goals)

@@ -57,8 +57,8 @@ def restart(robot: Planner):
     own = (robot.reached, robot.hip_feet, robot.margin_feet, robot.weights, robot.joints_past, robot.tilt_past)
     own += (robot.sensed.valid, robot.sensed.tilt, robot.sensed.joints, robot.sensed.turned)
     own += (trot.state, trot.measured, trot.before, trot.residual_x, trot.residual_z, trot.joints)
-    own += (trot.free_x_q4, trot.free_z_q4, trot.past_x, trot.past_z)
-    own += (trot.early_contact, trot.stance, trot.load_q12, trot.feet, trot.wish)
+    own += (trot.expected_x_q4, trot.expected_z_q4, trot.past_x, trot.past_z)
+    own += (trot.early_contact, trot.stance, trot.load_q12, trot.feet, trot.command)
     own += (trot.lift_offs, trot.ascent_lag, trot.apex, trot.joints_before, trot.past_stance, trot.hip_feet)
     for block in (robot.status, robot.clock, robot.joints, robot.move, robot.leg_flags, robot.goal) + own:
         clear(block)
