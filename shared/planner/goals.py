@@ -18,12 +18,12 @@ READ_ODD = const(3)  # some readings of the last set were odd
 
 
 @record
-class Past:
+class ReadingHistory:
     """Earlier readings, up to 12, that show which new ones are odd."""
 
-    odd: Ints = vector(JOINTS, "brad", "the last set in which some were odd")
+    last_odd: Ints = vector(JOINTS, "brad", "the last set in which some were odd")
     state: int = field("", "READ_...")
-    row: int = field("ticks", "odd sets in a row")
+    odd_in_row: int = field("ticks", "odd sets in a row")
 
 
 _MOST_ODD = const(10)  # odd sets in a row after which nothing counts as known
@@ -79,7 +79,7 @@ def joints_near(params: Params, readings: Ints, joints: Ints) -> int:
 
 
 @hot
-def believe(readings: Ints, count: int, step: int, believed: Ints, past: Past) -> int:
+def believe(readings: Ints, count: int, step: int, believed: Ints, history: ReadingHistory) -> int:
     """Copy ``count`` readings (at most 12) into ``believed``, except odd ones.
 
     Readings are limited to +-32768. A reading is odd if it differs by more than ``step`` from the believed value and
@@ -88,7 +88,7 @@ def believe(readings: Ints, count: int, step: int, believed: Ints, past: Past) -
     readings are odd, or -1 while nothing is known: at first, and after ten odd sets in a row. Intermediates: below
     2^17.
     """
-    state = past.state
+    state = history.state
     odd = 0
     for at in range(count):
         reading = readings[at]
@@ -101,24 +101,24 @@ def believe(readings: Ints, count: int, step: int, believed: Ints, past: Past) -
             else:
                 believed[at] = reading
     if state >= READ_SURE and odd:
-        odd = believe_again(readings, count, step, believed, past)
+        odd = believe_repeated(readings, count, step, believed, history)
     if odd == 0 and state != READ_NONE:
-        past.state = READ_SURE
-        past.row = 0
+        history.state = READ_SURE
+        history.odd_in_row = 0
         return 0
-    if state >= READ_SURE and past.row < _MOST_ODD:
-        past.state = READ_ODD
-        past.row += 1
+    if state >= READ_SURE and history.odd_in_row < _MOST_ODD:
+        history.state = READ_ODD
+        history.odd_in_row += 1
         return odd
     for at in range(count):
         believed[at] = saturate(readings[at], -32768, 32767)
-    past.state = READ_ONCE
-    past.row = 0
+    history.state = READ_ONCE
+    history.odd_in_row = 0
     return -1
 
 
 @hot
-def believe_again(readings: Ints, count: int, step: int, believed: Ints, past: Past) -> int:
+def believe_repeated(readings: Ints, count: int, step: int, believed: Ints, history: ReadingHistory) -> int:
     """Believe those odd readings that agree with the odd set just before; keep the set; return how many stay odd.
 
     Part of believe.
@@ -128,10 +128,10 @@ def believe_again(readings: Ints, count: int, step: int, believed: Ints, past: P
         reading = saturate(readings[place], -32768, 32767)
         gap = reading - believed[place]
         if gap > step or gap < -step:
-            again = reading - past.odd[place]
-            if past.state == READ_ODD and again <= step and again >= -step:
+            again = reading - history.last_odd[place]
+            if history.state == READ_ODD and again <= step and again >= -step:
                 believed[place] = reading
             else:
                 odd += 1
-        past.odd[place] = reading
+        history.last_odd[place] = reading
     return odd

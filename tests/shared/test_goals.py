@@ -12,7 +12,7 @@ from host.lab.parity.probe.row import Row
 from shared.gait.gaits import GAIT_NAMES, GAITS
 from shared.planner import command as c
 from shared.planner import status as n
-from shared.planner.goals import READ_SURE, Past, believe, follow_goals, joints_near
+from shared.planner.goals import READ_SURE, ReadingHistory, believe, follow_goals, joints_near
 from shared.record import pack
 from tests.float_twin import goals as twin
 
@@ -106,7 +106,7 @@ def sets(readings):
 
 def taken(readings, more=2):
     """Return what is believed and the answer after each set; the ``more`` values behind it are no part of it."""
-    believed, past, found = array("i", [0] * (COUNT + more)), Past(), []
+    believed, past, found = array("i", [0] * (COUNT + more)), ReadingHistory(), []
     for one in readings:
         answer = believe(list(one) + [9] * more, COUNT, STEP, believed, past)
         found.append((answer, list(believed[:COUNT])))

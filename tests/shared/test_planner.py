@@ -336,8 +336,8 @@ def test_one_tick_of_any_words_in_any_state(told, felt):
 
 def every_block(planner):
     """Return all records and arrays of a planner that a tick may change."""
-    names = "top_speed status clock speed pose last_pose rotation steps move feet hip_feet reached goal joints"
-    names += " leg_flags joints_past tilt_past"
+    names = "top_speed status clock speed pose balanced_pose rotation steps move feet hip_feet reached goal joints"
+    names += " leg_flags joints_history tilt_history"
     balance, sensed = planner.balance, planner.sensed
     inner = [balance.roll, balance.pitch, balance.correction, sensed.valid, sensed.tilt, sensed.joints, sensed.turned]
     return [getattr(planner, name) for name in names.split()] + inner
@@ -365,13 +365,13 @@ def test_balance_without_attitude_is_reported_and_fades():
     walker.sensed.tilt[0] = 600
     for _ in range(50):
         assert walker.tick() & n.NO_ATTITUDE == 0
-    assert walker.planner.last_pose.roll < -100
+    assert walker.planner.balanced_pose.roll < -100
     walker.sensed.valid.tilt = 0
-    before = walker.planner.last_pose.roll
+    before = walker.planner.balanced_pose.roll
     assert walker.tick() & n.NO_ATTITUDE
-    assert 0 < walker.planner.last_pose.roll - before <= walker.params.pose_slew.roll
+    assert 0 < walker.planner.balanced_pose.roll - before <= walker.params.pose_slew.roll
     walker.ticks(200)
-    assert walker.planner.last_pose.roll == 0
+    assert walker.planner.balanced_pose.roll == 0
 
 
 def test_the_body_pose_is_limited_and_slewed():

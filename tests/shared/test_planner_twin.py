@@ -60,10 +60,10 @@ class Pair:
 
     def agree_on_reach(self):
         """Within rounding of the edge of its reach the float planner goes by the core, else they agree."""
-        beyond = bool(self.walker.planner.status.beyond)
-        if beyond != any(self.twin.flagged):
+        out_of_reach = bool(self.walker.planner.status.beyond)
+        if out_of_reach != any(self.twin.flagged):
             assert self.twin.edge_m < 0.1e-3 or self.twin.edge_rad < 1e-3
-            self.twin.flagged = [beyond] * 4
+            self.twin.flagged = [out_of_reach] * 4
 
     def stand(self):
         """Both stand up; a rounded way may make one of them a tick later."""

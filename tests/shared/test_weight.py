@@ -8,7 +8,7 @@ from shared.crawl import state as stages
 from shared.gait.table import MOVER_CRAWL, MOVER_TABLE, MOVER_TROT
 from shared.planner import command as c
 from shared.planner import status as n
-from shared.planner.weight import carried, put_down, watch_weight
+from shared.planner.weight import carried_load_q12, stays_lifted, watch_weight
 from shared.record import pack
 
 from .walker import Walker
@@ -76,7 +76,7 @@ def test_who_is_lifted(seed):
         status.flags = 0
         if dice.random() < 0.01:
             status.state = dice.choice((n.STANDING, n.WALKING))
-        assert put_down(planner, mode) == int(bool(status.flags & n.LIFTED))
+        assert stays_lifted(planner, mode) == int(bool(status.flags & n.LIFTED))
         rule.told(mode)
         planner.odometry.carried_q12 = round(4096 * weight)
         risen, felt = dice.random() < 0.01, status.feet_load_q12
@@ -109,7 +109,7 @@ def test_a_foot_that_the_crawl_lowers_carries_what_it_presses(mover, stage):
     lowers = mover == MOVER_CRAWL and stage in (stages.HANG, stages.LOWER)
     for force, pressed in ((-16383, 0), (-1, 0), (0, 0), (900, 900), (4096, 4096), (16383, 4096)):
         planner.sensing.force_q12[:] = [7000, 7000, force, 7000]
-        assert carried(planner) == 500 + (pressed if lowers else 0)
+        assert carried_load_q12(planner) == 500 + (pressed if lowers else 0)
 
 
 def loaded(walker, weight):
