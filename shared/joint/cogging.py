@@ -67,7 +67,7 @@ def drop_wave(loop: CurrentLoop, commission: Commission, wave: int) -> None:
 
 
 @hot
-def hold_waves(loop: CurrentLoop, on: int) -> int:
+def switch_waves(loop: CurrentLoop, on: int) -> int:
     """Switch the waves on (``on`` 1) or off (0); return how many act."""
     loop.waves = 0
     if on:
