@@ -33,9 +33,9 @@ _MOST_ODD = const(10)  # odd sets in a row after which nothing counts as known
 def follow_goals(params: Params, wanted: Ints, joints: Ints) -> None:
     """Move ``joints`` (12 brad, sent last) towards ``wanted`` (12 brad), no motor faster than its top speed.
 
-    Angles within +-32768. A calf motor on the body (paper B) turns thigh + calf, so its speed limits that sum. If thigh
-    and calf are then equally fast, every angle stays between where it was and where it is wanted, and goals within the
-    joint limits stay within them. Exact. Intermediates: two sums of two angles, below 2^18.
+    Angles within +-32768. A calf motor on the body (paper B) turns thigh + calf, so its speed limits that sum. Every
+    angle stays between where it was and where it is wanted, so goals within the joint limits stay within them. Exact.
+    Intermediates: two sums of two angles, below 2^18.
     """
     most = params.joint_speed_safe
     least = -most
@@ -53,17 +53,27 @@ def follow_goals(params: Params, wanted: Ints, joints: Ints) -> None:
 
 @hot
 def follow_leg(params: Params, wanted: Ints, joints: Ints, at: int) -> None:
-    """Move the three joints of one leg, which start at index ``at``, as follow_goals does."""
+    """Move the three joints of one leg, which start at index ``at``, as follow_goals does.
+
+    If the thigh's and the calf's motor are not equally fast, their difference would carry the calf off its way; then it
+    keeps to it, and the thigh waits for the calf's motor.
+    """
+    top = params.joint_speed_max
     thigh = wanted[at + THIGH] - joints[at + THIGH]
     calf = wanted[at + CALF] - joints[at + CALF]
+    step = saturate(thigh, -top.thigh, top.thigh)
     if params.coupled:
-        calf += thigh
-    thigh = saturate(thigh, -params.joint_speed_max.thigh, params.joint_speed_max.thigh)
-    calf = saturate(calf, -params.joint_speed_max.calf, params.joint_speed_max.calf)
-    if params.coupled:
-        calf -= thigh
-    joints[at] += saturate(wanted[at] - joints[at], -params.joint_speed_max.hip, params.joint_speed_max.hip)
-    joints[at + THIGH] += thigh
+        gap = calf
+        calf = saturate(thigh + calf, -top.calf, top.calf) - step
+        if gap < 0:
+            calf = saturate(calf, gap, 0)
+        else:
+            calf = saturate(calf, 0, gap)
+        step = saturate(step, -top.calf - calf, top.calf - calf)
+    else:
+        calf = saturate(calf, -top.calf, top.calf)
+    joints[at] += saturate(wanted[at] - joints[at], -top.hip, top.hip)
+    joints[at + THIGH] += step
     joints[at + CALF] += calf
 
 

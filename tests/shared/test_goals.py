@@ -9,6 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from host.lab.parity.probe.row import Row
+from host.robot.file import find, read_toml
+from host.robot.model import Robot
+from host.robot.scale import core_params
 from shared.gait.gaits import GAIT_NAMES, GAITS
 from shared.planner import command as c
 from shared.planner import status as n
@@ -45,14 +48,26 @@ def too_fast(params, before, now):
     return [joint for joint, (a, b, top) in enumerate(pairs) if abs(a - b) > top]
 
 
+def driven_from_the_body(ratio):
+    """Return Caramelo with its calves' motors on the body, geared so that they are not as fast as the thighs'."""
+    tables = read_toml(find("caramelo"))
+    tables["calf_drive"] = {"motor_on": "body", "ratio": ratio}
+    tables["gait"]["sag_compensation"] = 0.0  # of which a calf so geared would need too much
+    return core_params(Robot.model_validate(tables))
+
+
+DRIVES = {name: block(name) for name in ROBOTS}
+DRIVES |= {f"body, {ratio:g}": driven_from_the_body(ratio) for ratio in (0.4, 0.9, 1.12283, 3.0)}
+
+
 # --- sent
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", DRIVES)
 @repeatable(100)
 @given(st.data())
 def test_goals_follow_as_fast_as_the_motors_turn_and_stay_between(name, data):
-    params, wanted, start = block(name), data.draw(ANGLES), data.draw(ANGLES)
+    params, wanted, start = DRIVES[name], data.draw(ANGLES), data.draw(ANGLES)
     joints = array("i", start)
     exact = twin.follow(wanted, start, pack(params.joint_speed_max), params.coupled)
     follow_goals(params, wanted, joints)
@@ -75,6 +90,17 @@ def test_a_motor_on_the_body_is_what_the_limit_is_for():
     joints = array("i", [0] * 12)
     follow_goals(params, [0, 9 * top, 9 * top] * 4, joints)
     assert list(joints) == [0, top, 0] * 4
+
+
+@pytest.mark.parametrize("ratio", [0.4, 3.0])
+def test_a_calf_at_its_limit_stays_there_while_the_thigh_moves(ratio):
+    """It would be carried beyond it, by the difference of the two motors' speeds."""
+    params = driven_from_the_body(ratio)
+    _, thigh, calf = pack(params.joint_speed_max)
+    for way in (1, -1):
+        joints = array("i", [0] * 12)
+        follow_goals(params, [0, 20000 * way, 0] * 4, joints)
+        assert list(joints) == [0, min(thigh, calf) * way, 0] * 4
 
 
 def test_near_is_within_a_tick_of_every_joint():
