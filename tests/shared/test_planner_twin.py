@@ -60,7 +60,7 @@ class Pair:
 
     def agree_on_reach(self):
         """Within rounding of the edge of its reach the float planner goes by the core, else they agree."""
-        out_of_reach = bool(self.walker.planner.status.beyond)
+        out_of_reach = bool(self.walker.planner.status.out_of_reach)
         if out_of_reach != any(self.twin.flagged):
             assert self.twin.edge_m < 0.1e-3 or self.twin.edge_rad < 1e-3
             self.twin.flagged = [out_of_reach] * 4
