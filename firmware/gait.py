@@ -12,7 +12,7 @@ at a stream's or the clock's pace is one hot function each, on blocks made at th
 from shared.body.axes import POSE_AXES, TWIST_AXES
 from shared.body.params import JOINTS, Params
 from shared.gait.gaits import GAIT_NAMES
-from shared.planner.command import COMMAND_SIZE, MODE_LIMP, MODE_STAND, MODE_WALK, Command, repeat_command
+from shared.planner.command import COMMAND_SIZE, MODE_LIMP, MODE_STAND, MODE_WALK, Command, copy_command
 from shared.planner.planner import Planner, plan
 from shared.planner.status import Status
 from shared.record import field, record
@@ -215,7 +215,7 @@ def sense(attitude: Attitude, counts, sensed: Sensed, fault: int) -> None:
 @hot
 def obey(status: BoardStatus, command: Command, obeyed: Command, fault: int) -> None:
     """Turn the command as received into what the planner may do now."""
-    repeat_command(command, obeyed)
+    copy_command(command, obeyed)
     if status.stopped:
         obeyed.mode = MODE_LIMP
     elif status.command_age >= status.stale_age and obeyed.mode == MODE_WALK:

@@ -4,7 +4,7 @@ The board reads the sensors, calls ``take_step`` 10 000 times a second and
 ``take_motion`` 1 000 times, and does to the bridge what they return.
 """
 
-from shared.joint.bend import straightened
+from shared.joint.bend import corrected_rotor
 from shared.joint.cogging import cogging_step
 from shared.joint.commission_state import Commission
 from shared.joint.current import current_repair, current_step, set_offsets
@@ -88,7 +88,7 @@ def take_step(loop: CurrentLoop, run: BoardRun, now_us: int, rotor: int) -> int:
         rotor = loop.rotor
         invalid = 1
     else:
-        rotor = straightened(loop, rotor)
+        rotor = corrected_rotor(loop, rotor)
     if loop.waves:
         cogging_step(loop, rotor)
     masked = loop.masked

@@ -12,7 +12,7 @@ from shared.crawl.even import LEGS_EVEN
 from shared.gait.table import MOVER_CRAWL, MOVER_TROT
 from shared.planner import handover
 from shared.planner import status as core
-from shared.planner.pose import tell_margin
+from shared.planner.pose import write_margin
 from sim2d.notes import Note
 
 from ..robot.gait_names import gait_names
@@ -54,7 +54,7 @@ def change_reason(driver: Driver) -> str:
 def margin_m(driver: Driver) -> float:
     """Return how far the centre of mass is inside the polygon of the standing feet, m; below 0: outside."""
     if driver.planner.status.mover != MOVER_CRAWL:
-        tell_margin(driver.planner)  # computed only here: neither the trot nor standing up uses it
+        write_margin(driver.planner)  # computed only here: neither the trot nor standing up uses it
     return driver.scale.metres(driver.planner.status.margin)
 
 

@@ -32,7 +32,7 @@ LARGEST_GAIN = (1 << 15) - 1
 # Readings of a sensor at rest differ less than this: ten times an MPU6050's noise (product specification 3.4, 6.1, 6.2)
 REST_DEG_S, REST_G = 0.5, 0.027
 FALLEN_S = 0.1  # a robot tilted for this long has fallen
-EVENED_S = 0.2  # time over which the odometry's speeds and the felt weight are averaged (chosen)
+AVERAGE_S = 0.2  # time over which the odometry's speeds and the felt weight are averaged (chosen)
 FASTEST_TILT_RAD_S = 10.0  # of a falling body (one that tips over on a leg of 0.24 m ends at 9)
 
 
@@ -91,12 +91,12 @@ def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) 
     scale = scale_of(robot, rate_hz)
     params = Params()
     params.rate_hz = scale.rate_hz
-    params.evened_q10 = floor(1024 / (1 + EVENED_S * scale.rate_hz))
+    params.average_q10 = floor(1024 / (1 + AVERAGE_S * scale.rate_hz))
     params.length_shift = scale.length_shift
     _speeds(params, robot, scale)
     _pose_limits(params, robot, scale)
     _balance(params, robot, scale.rate_hz)
-    params.joint_step = max(1, floor(robot.stand.joint_rad_s * BRAD_PER_RAD / scale.rate_hz))
+    params.joint_speed_slow = max(1, floor(robot.stand.joint_rad_s * BRAD_PER_RAD / scale.rate_hz))
     params.sit_z = -scale.lu(robot.stance.sit_height_m)
     params.stride_max = scale.lu(robot.speed_limits.stride_m)
     _joint_speeds(params, robot, scale.rate_hz)
@@ -161,8 +161,8 @@ def _joint_speeds(params: Params, robot: Robot, rate_hz: int) -> None:
     """
     motor_rad_s, ratio = robot.actuator.fastest_rad_s, robot.calf_drive.ratio
     for joint, times in enumerate((1.0, 1.0, ratio)):
-        params.joint_top[joint] = _brad_step(motor_rad_s * times, 1 / rate_hz)
-    params.joint_near = min(pack(params.joint_top)) >> int(robot.calf_drive.coupled)
+        params.joint_speed_max[joint] = _brad_step(motor_rad_s * times, 1 / rate_hz)
+    params.joint_speed_safe = min(pack(params.joint_speed_max)) >> int(robot.calf_drive.coupled)
     calf_rad_s = motor_rad_s * (ratio + robot.calf_drive.coupled)
     params.read_step = _brad_step(2 * max(motor_rad_s, calf_rad_s), max(1 / rate_hz, robot.bus.delay_s))
     params.tilt_step = _brad_step(FASTEST_TILT_RAD_S, max(1 / rate_hz, robot.bus.delay_s))
@@ -189,7 +189,7 @@ def _leg(params: Params, robot: Robot, scale: Scale, leg: int) -> None:
         base.lowest[joint] = ceil(low_rad * BRAD_PER_RAD)
         base.highest[joint] = floor(high_rad * BRAD_PER_RAD)
     for joint, angle_rad in enumerate(folded_leg_rad(robot, leg)):
-        base.lies[joint] = min(max(brad(angle_rad), base.lowest[joint]), base.highest[joint])
+        base.folded[joint] = min(max(brad(angle_rad), base.lowest[joint]), base.highest[joint])
     hip_m = (*robot.hip_m(leg), 0.0)
     foot_m = robot.foot_m(leg, robot.stance.rest_height_m)
     for axis in range(3):
@@ -216,7 +216,7 @@ def _compliance(params: Params, robot: Robot, scale: Scale) -> None:
     com_m = com_at_rest_m(robot)
     params.com_x, params.com_y = scale.lu(com_m[0]), scale.lu(com_m[1])
     params.foot_radius = scale.lu(robot.geometry.foot_radius_m)
-    params.sent_ticks = min(15, 1 + floor(robot.bus.delay_s * scale.rate_hz + 1e-9))
+    params.delay_ticks = min(15, 1 + floor(robot.bus.delay_s * scale.rate_hz + 1e-9))
     params.leg_length = params.legs[0].thigh_length + params.legs[0].calf_length
     params.lateral_q12 = round(robot.gait.lateral_shift * Q12)
 
@@ -246,7 +246,7 @@ def attitude_block(robot: Robot, rate_hz: int | None = None) -> Attitude:
     # Critically damped: bias' = -missed / (4 trust_time^2), a tick, in counts Q16 of rad Q14.
     learn = degrees(imu.gyro_counts_per_deg_s) / (4 * imu.trust_time_s**2 * rate)
     block.learn_q12 = min(0x3FFFF, round(learn * 4 * Q12))
-    block.rest[:] = [ceil(REST_DEG_S * imu.gyro_counts_per_deg_s), ceil(REST_G * imu.accel_counts_per_g)]
+    block.rest_change[:] = [ceil(REST_DEG_S * imu.gyro_counts_per_deg_s), ceil(REST_G * imu.accel_counts_per_g)]
     block.tolerance = round(imu.tolerance_g * imu.accel_counts_per_g)
     block.align_ticks = min(1024, max(1, round(imu.align_time_s * rate)))
     attitude_reset(block)

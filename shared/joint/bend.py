@@ -9,7 +9,7 @@ from .layout import BENDS, COSINE_AT, CurrentLoop, JointSettings
 
 
 @hot
-def straightened(loop: CurrentLoop, rotor: int) -> int:
+def corrected_rotor(loop: CurrentLoop, rotor: int) -> int:
     """Return the corrected rotor angle for a reading, both 0 .. 16383 rc. Error 1 rc and the table's (fill_bend)."""
     at = rotor >> 9
     bend = loop.bend[at]

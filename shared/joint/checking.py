@@ -7,7 +7,7 @@ sixteenth of the friction: friction alone made waves of 1/25 of it.
 
 from ..num.fixed import saturate
 from ..runtime import const, hot
-from .cogging import drop_wave, hold_waves, try_wave
+from .cogging import drop_wave, switch_waves, try_wave
 from .commission_state import Commission
 from .creeping import CREEP_WITH, CREEP_WITHOUT, begin_round
 from .layout import WAVES, CurrentLoop, JointSettings
@@ -33,8 +33,8 @@ def begin_check(loop: CurrentLoop, settings: JointSettings, commission: Commissi
         try_wave(loop, commission, wave)
     if others == 0:
         return 1
-    hold_waves(loop, 0)
-    commission.useless = 0
+    switch_waves(loop, 0)
+    commission.rejected_waves = 0
     begin_round(loop, settings, commission, CREEP_WITHOUT)
     return 0
 
@@ -48,20 +48,20 @@ def check_wave(loop: CurrentLoop, settings: JointSettings, commission: Commissio
     wave = commission.wave
     if commission.creep_part == CREEP_WITHOUT:
         commission.ripple[wave] = ripple
-        commission.useless |= _too_quiet(commission, wave) << wave
+        commission.rejected_waves |= _too_quiet(commission, wave) << wave
     else:
-        commission.useless |= _useless(commission, wave, ripple) << wave
+        commission.rejected_waves |= _rejected(commission, wave, ripple) << wave
     look_for(commission, commission.order)
     if wave < WAVES - 1:
         commission.wave = wave + 1
         commission.order = commission.wave_order[wave + 1]
         return 0
     if commission.creep_part == CREEP_WITHOUT:
-        hold_waves(loop, 1)
+        switch_waves(loop, 1)
         begin_round(loop, settings, commission, CREEP_WITH)
         return 0
     for each in range(WAVES):
-        if commission.useless >> each & 1:
+        if commission.rejected_waves >> each & 1:
             drop_wave(loop, commission, each)
     return 1
 
@@ -78,7 +78,7 @@ def _too_quiet(commission: Commission, wave: int) -> int:
 
 
 @hot
-def _useless(commission: Commission, wave: int, ripple: int) -> int:
+def _rejected(commission: Commission, wave: int, ripple: int) -> int:
     """Return 1 if a wave leaves more than half of its ripple, or its ripple was less than the first leaves; else 0."""
     before = commission.ripple[wave]
     if wave == 0:

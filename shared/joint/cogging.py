@@ -15,7 +15,7 @@ _SINE_STEPS = const(1023)  # of the sine table, less one
 
 @hot
 def cogging_step(loop: CurrentLoop, rotor: int) -> int:
-    """Set loop.cogging_q for a rotor at ``rotor`` (straightened, 0 .. 16383) and return it, in cu; in the interrupt.
+    """Set loop.cogging_q for a rotor at ``rotor`` (corrected, 0 .. 16383) and return it, in cu; in the interrupt.
 
     Error 1 cu, and 0.3 % of each wave because of the sine table's step. Below 2^30 for amplitudes below 2^15 (Q4).
     """
@@ -67,7 +67,7 @@ def drop_wave(loop: CurrentLoop, commission: Commission, wave: int) -> None:
 
 
 @hot
-def hold_waves(loop: CurrentLoop, on: int) -> int:
+def switch_waves(loop: CurrentLoop, on: int) -> int:
     """Switch the waves on (``on`` 1) or off (0); return how many act."""
     loop.waves = 0
     if on:

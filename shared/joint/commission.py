@@ -19,7 +19,7 @@ compared, not changed.
 from ..num.fixed import wrap_brad
 from ..runtime import hot
 from .bend import set_bend
-from .cogging import hold_waves, set_waves
+from .cogging import set_waves, switch_waves
 from .commission_state import (
     COMMISSION_FULL,
     PHASE_FORWARD,
@@ -30,8 +30,8 @@ from .commission_state import (
     PHASE_SPIN,
     PHASE_SWING,
     Commission,
-    go_on,
-    refuse,
+    begin_phase,
+    fail,
 )
 from .commutation import set_commutation
 from .faults import FAULT_COMMISSION_OFFSET_CHANGED, FAULT_NONE
@@ -68,15 +68,15 @@ def commission_start(commission: Commission, kind: int) -> None:
     commission.joint_moved = 0
     commission.moved_seen = 0
     commission.moved_first = 0
-    go_on(commission, PHASE_REST)
+    begin_phase(commission, PHASE_REST)
 
 
 @hot
 def commission_abort(loop: CurrentLoop, settings: JointSettings, commission: Commission) -> None:
     """End commissioning: restore gains, commutation and references."""
-    if commission.kept_kp:
-        loop.kp = commission.kept_kp
-        loop.ki = commission.kept_ki
+    if commission.final_kp:
+        loop.kp = commission.final_kp
+        loop.ki = commission.final_ki
     restore_outer(settings, commission)
     commission.phase = PHASE_IDLE
     commission.kind = 0
@@ -88,7 +88,7 @@ def commission_abort(loop: CurrentLoop, settings: JointSettings, commission: Com
     loop.reference_d = 0
     loop.reference_q = 0
     set_bend(loop, settings)
-    hold_waves(loop, 0)
+    switch_waves(loop, 0)
     set_waves(loop, settings)
     set_commutation(loop, settings)
 
@@ -111,7 +111,7 @@ def commission_step(
         winding_step(loop, settings, commission)
     elif phase == PHASE_PROVE_CURRENT:
         if prove_current(loop, settings, commission):
-            go_on(commission, PHASE_FORWARD)
+            begin_phase(commission, PHASE_FORWARD)
     elif phase < PHASE_SPIN:
         if turn_step(loop, settings, io, commission):
             _turned(loop, settings, commission)
@@ -138,5 +138,5 @@ def _turned(loop: CurrentLoop, settings: JointSettings, commission: Commission) 
         return spin_begin(loop, commission)
     change = wrap_brad(commission.offset_found - settings.elec_offset)
     if change > settings.verify or change < -settings.verify:
-        return refuse(commission, FAULT_COMMISSION_OFFSET_CHANGED, change)
-    return go_on(commission, PHASE_IDLE)
+        return fail(commission, FAULT_COMMISSION_OFFSET_CHANGED, change)
+    return begin_phase(commission, PHASE_IDLE)

@@ -8,7 +8,7 @@ from .layout import WAVES
 COMMISSION_FULL = const(1)  # everything, from an unknown motor on: the rotor goes round once
 COMMISSION_VERIFY = const(2)  # direction and offset are compared with the stored ones; nothing is changed
 STEPS = const(10)  # current steps in a tick
-COGS = const(512)  # places of the table over which the cogging is added up
+COGGING_BINS = const(512)  # of the table over which the cogging is added up
 
 
 @record
@@ -22,8 +22,8 @@ class Commission:
     reason_value: int = field("", "in the unit of that fault")
     pose_given: int = field("", "1: the joint stands at pose when commissioning starts")
     pose: int = field("rc", "joint-signed")
-    kept_kp: int = field("vu / cu", "gain of the current loop once commissioning ends, Q13")
-    kept_ki: int = field("vu / cu / step", "likewise")
+    final_kp: int = field("vu / cu", "gain of the current loop once commissioning ends, Q13")
+    final_ki: int = field("vu / cu / step", "likewise")
     # at rest
     raw_sum: Ints = vector(3, "count", "phases a, b, c at rest, summed")
     lowest: Ints = vector(4, "", "lowest readings at rest, of phases a, b, c in counts and of the rotor in rc")
@@ -76,7 +76,7 @@ class Commission:
     run_ticks: int = field("ticks", "since a run's windows began; -1 before that")
     goal: int = field("rc/256", "goal of the position loop, from centre, electrical-signed")
     # mechanics
-    away: int = field("rc", "from the middle of the swing, electrical-signed")
+    swing_position: int = field("rc", "from the middle of the swing, electrical-signed")
     swing_level: int = field("", "0: by the current; 1, 2: by the velocity loop; 3: likewise at half of the speed")
     swing_rate: int = field("rate", "speed of the swing")
     swing_acceleration: int = field("rate/tick", "acceleration with which the velocity loop swings the rotor")
@@ -92,7 +92,7 @@ class Commission:
     square_way: int = field("rc^2/tick", "sum of speed times way, 1/16 of it")
     friction_q4: Ints = vector(4, "cu", "at each level, Q4")
     speed_q4: Ints = vector(4, "rc/tick", "mean over the way, of each level, Q4")
-    kept_outer: Ints = vector(5, "", "gains of the outer loops before commissioning (outer.py); the first 0: none")
+    outer_before: Ints = vector(5, "", "gains of the outer loops before commissioning (outer.py); the first 0: none")
     inertia: int = field("cu / (rate / tick)", "found, with the load on the rotor, Q12")
     coulomb: int = field("cu", "found: friction at rest, Q4")
     viscous: int = field("cu / rate", "found: how friction grows with the speed, Q16")
@@ -103,7 +103,7 @@ class Commission:
     creep_rounds: int = field("", "short rounds done")
     creep_part: int = field("", "CREEP_* of the round (creeping.py)")
     wave: int = field("", "wave being checked")
-    useless: int = field("", "waves that left too much of the ripple, bits")
+    rejected_waves: int = field("", "waves that left too much of the ripple, bits")
     ripple: Ints = vector(WAVES, "rate", "ripple of the speed without the waves, at the order of each, times 1.6")
     creep_far: int = field("rc", "distance from the middle within which a round counts")
     creep_settled: int = field("", "1: two short rounds have found the same first wave")
@@ -113,17 +113,17 @@ class Commission:
     moved_last: int = field("rc", "rotor's way in the tick before, electrical-signed")
     moved_before: int = field("rc", "in the tick before that")
     current_last: int = field("cu", "current in the tick before, times 10")
-    fold: int = field("", "how often a turn the table repeats: once per pole, or 1")
-    place_last: int = field("", "place of the table in the tick before")
+    table_repeats: int = field("", "how often a turn the table repeats: once per pole, or 1")
+    bin_last: int = field("", "bin of the table in the tick before")
     order: int = field("", "how often the wave that is looked for comes in the table")
     order_last: int = field("", "last order to look for")
-    place: int = field("", "next place of the table")
+    bin_next: int = field("", "next bin of the table")
     cosine_sum: int = field("cu rc", "table times the cosine of that wave, times 10 / 256")
     sine_sum: int = field("cu rc", "table times its sine, likewise")
     wave_order: Ints = vector(WAVES, "", "found: how often a turn, 0 none")
     wave_current: Ints = vector(WAVES, "cu", "found: amplitude, Q4")
     wave_phase: Ints = vector(WAVES, "brad", "found: phase at the rotor's reading 0")
-    cogging: Ints = vector(COGS, "cu rc", "current times the rotor's way at each place of the table, times 10")
+    cogging_bins: Ints = vector(COGGING_BINS, "cu rc", "current times the rotor's way in each bin, times 10")
 
 
 PHASE_IDLE = const(0)
@@ -148,7 +148,7 @@ PHASE_PROVE_POSITION = const(18)
 
 
 @hot
-def refuse(commission: Commission, reason: int, value: int) -> int:
+def fail(commission: Commission, reason: int, value: int) -> int:
     """End commissioning with a reason, unless there is one already; return ``reason``."""
     if commission.reason == FAULT_NONE:
         commission.reason = reason
@@ -158,7 +158,7 @@ def refuse(commission: Commission, reason: int, value: int) -> int:
 
 
 @hot
-def go_on(commission: Commission, phase: int) -> int:
+def begin_phase(commission: Commission, phase: int) -> int:
     """Begin ``phase``; return it."""
     commission.phase = phase
     commission.phase_ticks = 0

@@ -10,7 +10,7 @@ chooses the rounds.
 from ..num.fixed import saturate
 from ..runtime import const, hot
 from .cascade import write_current
-from .commission_state import COGS, PHASE_CREEP, PHASE_IDLE, PHASE_ROUND, STEPS, Commission, go_on, refuse
+from .commission_state import COGGING_BINS, PHASE_CREEP, PHASE_IDLE, PHASE_ROUND, STEPS, Commission, begin_phase, fail
 from .commutation import follow_rotor
 from .faults import FAULT_COMMISSION_COGGING
 from .holding import hold_rotor, turning_current
@@ -42,10 +42,10 @@ def begin_round(loop: CurrentLoop, settings: JointSettings, commission: Commissi
     pairs = saturate(commission.pole_pairs, 1, 50)
     rate = settings.velocity_w * 3 // (4 * pairs) + 1
     far = _SHORT // saturate(pairs, 2, 50)
-    fold = 1
+    table_repeats = 1
     phase = PHASE_CREEP
     if part == CREEP_SHORT:
-        fold = pairs + pairs
+        table_repeats = pairs + pairs
         if pairs <= _PAIRS_QUICK:
             rate = rate * 5 >> 3
     elif part == CREEP_WHOLE:
@@ -59,12 +59,12 @@ def begin_round(loop: CurrentLoop, settings: JointSettings, commission: Commissi
     commission.swing_acceleration = (rate >> 4) + 1
     commission.creep_far = far
     commission.half_swings = 0
-    if phase == PHASE_CREEP and commission.away * commission.sign < 0 - far:
+    if phase == PHASE_CREEP and commission.swing_position * commission.sign < 0 - far:
         commission.half_swings = 1
     commission.play_sum = 0
-    clear_table(commission, fold)
+    clear_table(commission, table_repeats)
     probe_begin(loop, 1)
-    go_on(commission, phase)
+    begin_phase(commission, phase)
 
 
 @hot
@@ -80,12 +80,12 @@ def creep_round(
     if loop.electrical_gain == 0:
         current = turning_current(settings, commission, d, current, loop.rotor, moved)
     far = commission.creep_far
-    if commission.away * commission.sign > far + _MARGIN:
+    if commission.swing_position * commission.sign > far + _MARGIN:
         commission.sign = 0 - commission.sign
         commission.half_swings += 1
     _creep(loop, settings, state, commission)
     if commission.phase_ticks > _TICKS_MOST:
-        refuse(commission, FAULT_COMMISSION_COGGING, loop.reference_q)
+        fail(commission, FAULT_COMMISSION_COGGING, loop.reference_q)
     if commission.reason:
         return 0
     _take_in(loop, settings, commission, current, saturate(moved, -_MOVED_MOST, _MOVED_MOST))
@@ -118,7 +118,7 @@ def _creep(loop: CurrentLoop, settings: JointSettings, state: JointState, commis
     """Turn the rotor on, faster on the way to where the round begins; from there a field holds it, but in a check."""
     far = commission.creep_far
     rate = commission.swing_rate
-    at = commission.away * commission.sign
+    at = commission.swing_position * commission.sign
     if commission.creep_part >= CREEP_WITHOUT and at < 0 - far - _MARGIN:
         commission.swing_rate += rate >> 1
     elif commission.half_swings == 0 and at < far - _MARGIN:
@@ -136,13 +136,13 @@ def _creep(loop: CurrentLoop, settings: JointSettings, state: JointState, commis
 def _take_in(loop: CurrentLoop, settings: JointSettings, commission: Commission, current: int, moved: int) -> None:
     """Add the tick before, whose acceleration is known only now, to the table and the play."""
     far = commission.creep_far
-    if commission.half_swings > 0 and commission.away < far and commission.away >= 0 - far:
+    if commission.half_swings > 0 and commission.swing_position < far and commission.swing_position >= 0 - far:
         add_to_table(commission, _ripple_or_current(commission, moved - commission.moved_before))
         add_play(settings, commission, commission.moved_last)
     commission.moved_before = commission.moved_last
     commission.moved_last = moved
     commission.current_last = current
-    commission.place_last = (loop.rotor * commission.fold >> 5) & (COGS - 1)
+    commission.bin_last = (loop.rotor * commission.table_repeats >> 5) & (COGGING_BINS - 1)
 
 
 @hot

@@ -187,11 +187,11 @@ def current_reset(loop: CurrentLoop, rotor: int) -> None:
     loop.cogging_q = 0
     loop.feed_d = 0
     loop.feed_q = 0
-    current_relax(loop)
+    current_clear(loop)
 
 
 @hot
-def current_relax(loop: CurrentLoop) -> None:
+def current_clear(loop: CurrentLoop) -> None:
     """Forget integrals and voltage and write equal duties: for a bridge that is off."""
     loop.integral_d = 0
     loop.integral_q = 0

@@ -2,8 +2,8 @@
 
 from ..num.fixed import ratio, saturate
 from ..runtime import const, hot
-from .bend import straightened
-from .commission_state import PHASE_IDLE, Commission, go_on
+from .bend import corrected_rotor
+from .commission_state import PHASE_IDLE, Commission, begin_phase
 from .layout import CurrentLoop, JointSettings, JointState
 
 _OMEGA_L = const(322)  # 8 rate in electrical 2^-28 rad a step and pole pair: 4 / 320 brad
@@ -21,9 +21,9 @@ def write_findings(loop: CurrentLoop, settings: JointSettings, state: JointState
     if before > 0:
         settings.advance = settings.advance * pairs // before
         settings.age = settings.age * pairs // before
-    commission.kept_kp = loop.kp
-    commission.kept_ki = loop.ki
-    commission.kept_outer[0] = 0
+    commission.final_kp = loop.kp
+    commission.final_ki = loop.ki
+    commission.outer_before[0] = 0
     settings.elec_offset = commission.offset_found
     settings.direction = commission.direction
     settings.pole_pairs = pairs
@@ -38,10 +38,10 @@ def write_findings(loop: CurrentLoop, settings: JointSettings, state: JointState
         settings.joint_encoder_sign = settings.joint_sign
         if same < 0:
             settings.joint_encoder_sign = -settings.joint_sign
-    commission.rest_rotor = straightened(loop, commission.rest_rotor)
+    commission.rest_rotor = corrected_rotor(loop, commission.rest_rotor)
     if commission.pose_given:
         set_zeros(settings, commission)
-    go_on(commission, PHASE_IDLE)
+    begin_phase(commission, PHASE_IDLE)
 
 
 @hot

@@ -8,7 +8,7 @@ the current along the flux adds to the flux or takes from it.
 
 from ..num.fixed import cos_q15, saturate, sin_q15, wrap_brad
 from ..runtime import const, hot
-from .commission_state import STEPS, Commission, refuse
+from .commission_state import STEPS, Commission, fail
 from .commutation import point
 from .faults import FAULT_COMMISSION_COGGING
 from .layout import CurrentLoop, JointSettings, JointState
@@ -50,7 +50,7 @@ def turning_current(settings: JointSettings, commission: Commission, d: int, q: 
     middle = 4 * pairs * commission.direction * rotor - 2 * pairs * moved + commission.offset_found
     lag = wrap_brad(commission.angle - middle)
     if lag > _LAG_MOST or lag < -_LAG_MOST:
-        refuse(commission, FAULT_COMMISSION_COGGING, settings.commission_current)
+        fail(commission, FAULT_COMMISSION_COGGING, settings.commission_current)
     sine = sin_q15(lag) >> 1
     cosine = cos_q15(lag) >> 1
     d = saturate(d, -_SUM_MOST, _SUM_MOST) >> 3

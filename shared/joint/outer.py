@@ -41,7 +41,7 @@ def set_outer_gains(settings: JointSettings, inertia_q12: int, w: int) -> int:
 @hot
 def keep_outer(settings: JointSettings, commission: Commission) -> None:
     """Keep the gains from before commissioning."""
-    kept = commission.kept_outer
+    kept = commission.outer_before
     kept[0] = settings.velocity_p
     kept[1] = settings.velocity_i
     kept[2] = settings.damp
@@ -52,7 +52,7 @@ def keep_outer(settings: JointSettings, commission: Commission) -> None:
 @hot
 def restore_outer(settings: JointSettings, commission: Commission) -> None:
     """Restore the gains from before commissioning, if any are kept."""
-    kept = commission.kept_outer
+    kept = commission.outer_before
     if kept[0] == 0:
         return
     settings.velocity_p = kept[0]

@@ -8,7 +8,7 @@ which friction at the joint winds up the gear's spring, 2 F / k: the encoders ca
 
 from ..num.fixed import ratio, saturate
 from ..runtime import const, hot
-from .commission_state import Commission, refuse
+from .commission_state import Commission, fail
 from .encoder import wrap_count
 from .faults import FAULT_COMMISSION_PLAY
 from .layout import JointIo, JointSettings
@@ -48,4 +48,4 @@ def find_play(settings: JointSettings, commission: Commission) -> None:
     if found > commission.backlash:
         commission.backlash = found
     if commission.backlash > settings.gear_q8 * _PLAY_MOST >> 5:
-        refuse(commission, FAULT_COMMISSION_PLAY, commission.backlash >> 4)
+        fail(commission, FAULT_COMMISSION_PLAY, commission.backlash >> 4)

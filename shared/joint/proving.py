@@ -10,7 +10,7 @@ times the area of the error in three time constants is 0.87 of the step, by a mo
 from ..num.fixed import hypot, ratio, saturate
 from ..runtime import const, hot
 from .cascade import velocity_loop, write_current
-from .commission_state import PHASE_PROVE_POSITION, PHASE_PROVE_VELOCITY, STEPS, Commission, go_on, refuse
+from .commission_state import PHASE_PROVE_POSITION, PHASE_PROVE_VELOCITY, STEPS, Commission, begin_phase, fail
 from .faults import FAULT_COMMISSION_CURRENT_LOOP, FAULT_COMMISSION_POSITION_LOOP, FAULT_COMMISSION_VELOCITY_LOOP
 from .layout import CurrentLoop, JointSettings, JointState
 from .outer import set_outer_gains
@@ -59,7 +59,7 @@ def prove_current(loop: CurrentLoop, settings: JointSettings, commission: Commis
         return 0
     share = saturate(819200 // commission.proved, 0, _SHARE_MOST)
     if share < _LEAST or share > _MOST:
-        refuse(commission, FAULT_COMMISSION_CURRENT_LOOP, share)
+        fail(commission, FAULT_COMMISSION_CURRENT_LOOP, share)
         return 0
     return 1
 
@@ -89,7 +89,7 @@ def _begin_runs(commission: Commission, phase: int) -> None:
     commission.run_ticks = -1
     commission.impulse = 0
     commission.way = 0
-    go_on(commission, phase)
+    begin_phase(commission, phase)
 
 
 @hot
@@ -102,7 +102,7 @@ def prove_step(loop: CurrentLoop, settings: JointSettings, state: JointState, co
     if turn_round(commission) != sign:
         commission.run_ticks = -1
     if commission.phase_ticks > _TICKS_MOST:
-        refuse(commission, FAULT_COMMISSION_VELOCITY_LOOP, 0)
+        fail(commission, FAULT_COMMISSION_VELOCITY_LOOP, 0)
     if commission.reason:
         return 0
     if commission.phase == PHASE_PROVE_VELOCITY:
@@ -120,9 +120,10 @@ def _run_velocity(
     ticks = commission.run_ticks
     window = commission.window
     most = commission.swing_acceleration
-    if ticks >= 0 or (commission.away * commission.sign + (slow * window * 7 >> 9) > 0 and commission.half_swings > 0):
+    ahead = commission.swing_position * commission.sign
+    if ticks >= 0 or (ahead + (slow * window * 7 >> 9) > 0 and commission.half_swings > 0):
         commission.run_ticks = ticks + 1
-        _weigh(commission, ticks + 1, current, moved)
+        _add_weighted(commission, ticks + 1, current, moved)
         if ticks >= window and ticks < 3 * window:
             commission.swing_rate = slow << 1
         if ticks >= window:
@@ -135,7 +136,7 @@ def _run_velocity(
 
 
 @hot
-def _weigh(commission: Commission, ticks: int, current: int, moved: int) -> None:
+def _add_weighted(commission: Commission, ticks: int, current: int, moved: int) -> None:
     """Add up a tick with its weight.
 
     The mean speed changes from window 0 to 2 by the current, weighted from 0 up to 1 in window 0, and down to 0 again
@@ -176,7 +177,7 @@ def _end_velocity(settings: JointSettings, commission: Commission) -> None:
     if _try_again(settings, commission, share):
         _begin_velocity(settings, commission)
     elif share < _LEAST_OUTER or share > _MOST_OUTER:
-        refuse(commission, FAULT_COMMISSION_VELOCITY_LOOP, share)
+        fail(commission, FAULT_COMMISSION_VELOCITY_LOOP, share)
     else:
         commission.repeated = 0
         _begin_position(settings, commission)
@@ -208,8 +209,9 @@ def _run_position(loop: CurrentLoop, settings: JointSettings, state: JointState,
     slow = commission.swing_rate
     window = commission.window
     ticks = commission.run_ticks
-    if ticks < 0 and (commission.half_swings < 1 or commission.away * commission.sign + (slow * window >> 8) < 0):
-        commission.goal = commission.away << 8
+    ahead = commission.swing_position * commission.sign
+    if ticks < 0 and (commission.half_swings < 1 or ahead + (slow * window >> 8) < 0):
+        commission.goal = commission.swing_position << 8
         follow_rate(loop, settings, state, commission)
         return 0
     commission.run_ticks = ticks + 1
@@ -228,7 +230,7 @@ def _hold_position(
     loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission, jump: int
 ) -> int:
     """Run the position loop and add up its error after the jump; return 1 after the last run."""
-    error = saturate((commission.goal >> 8) - commission.away, -_ERROR_MOST, _ERROR_MOST)
+    error = saturate((commission.goal >> 8) - commission.swing_position, -_ERROR_MOST, _ERROR_MOST)
     ticks = commission.run_ticks
     window = commission.window
     along = error * commission.sign
@@ -257,7 +259,7 @@ def _end_position(settings: JointSettings, commission: Commission) -> int:
     if share >= _LEAST_OUTER and share <= _MOST_OUTER:
         return 1
     if commission.repeated == _REPEATS_POSITION:
-        refuse(commission, FAULT_COMMISSION_POSITION_LOOP, share)
+        fail(commission, FAULT_COMMISSION_POSITION_LOOP, share)
         return 0
     if commission.repeated == 0:
         commission.swing_rate = saturate(commission.swing_rate << 1, 1, swing_rate(settings, commission) >> 1)

@@ -2,8 +2,8 @@
 
 from ..runtime import const, hot
 from .bend import fill_bend
-from .cogging import hold_waves
-from .commission_state import COMMISSION_FULL, PHASE_RAMP, Commission, go_on, refuse
+from .cogging import switch_waves
+from .commission_state import COMMISSION_FULL, PHASE_RAMP, Commission, begin_phase, fail
 from .current import current_reset, set_offsets
 from .encoder import wrap_count
 from .faults import (
@@ -32,10 +32,10 @@ def rest_step(
 ) -> None:
     """Do one tick: collect 256 readings, then check them and set the current offsets."""
     if commission.phase_ticks == 1:
-        commission.kept_kp = loop.kp
-        commission.kept_ki = loop.ki
+        commission.final_kp = loop.kp
+        commission.final_ki = loop.ki
         keep_outer(settings, commission)
-        hold_waves(loop, 0)
+        switch_waves(loop, 0)
         if commission.kind == COMMISSION_FULL:
             state.homed = 0
             fill_bend(loop, 0, 0, 0, 0)
@@ -57,7 +57,7 @@ def rest_step(
     loop.kp = 0  # these may be another motor's
     loop.ki = 0
     current_reset(loop, loop.rotor)
-    go_on(commission, PHASE_RAMP)
+    begin_phase(commission, PHASE_RAMP)
 
 
 @hot
@@ -66,18 +66,18 @@ def _check_rest(loop: CurrentLoop, settings: JointSettings, state: JointState, c
     for phase in range(3):
         offset = commission.raw_sum[phase] >> _REST_SHIFT
         if offset > 2048 + settings.offset_spread or offset < 2048 - settings.offset_spread:
-            return refuse(commission, FAULT_COMMISSION_OFFSET, offset)
+            return fail(commission, FAULT_COMMISSION_OFFSET, offset)
         noise = commission.highest[phase] - commission.lowest[phase]
         if noise > _NOISE_MOST:
-            return refuse(commission, FAULT_COMMISSION_NOISE, noise)
+            return fail(commission, FAULT_COMMISSION_NOISE, noise)
     if state.bus < settings.commission_bus_least or state.bus > settings.commission_bus_most:
-        return refuse(commission, FAULT_COMMISSION_BUS, state.bus)
+        return fail(commission, FAULT_COMMISSION_BUS, state.bus)
     noise = commission.highest[_ROTOR] - commission.lowest[_ROTOR]
     moved = wrap_count(loop.rotor - commission.rest_rotor)
     if noise > _ENCODER_NOISE_MOST and moved <= _MOVED_MOST and moved >= -_MOVED_MOST:
-        return refuse(commission, FAULT_COMMISSION_ENCODER, noise)
+        return fail(commission, FAULT_COMMISSION_ENCODER, noise)
     if noise > _ENCODER_NOISE_MOST or state.rate > settings.stall_rate or state.rate < -settings.stall_rate:
-        return refuse(commission, FAULT_COMMISSION_MOVING, state.rate)
+        return fail(commission, FAULT_COMMISSION_MOVING, state.rate)
     return FAULT_NONE
 
 

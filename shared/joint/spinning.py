@@ -9,7 +9,7 @@ travelled, whatever the load. Its part on the d axis shows the error of the offs
 from ..num.fixed import atan2_brad, hypot, ratio, saturate
 from ..runtime import const, hot
 from .bend import fill_bend
-from .commission_state import PHASE_SPIN, STEPS, Commission, go_on, refuse
+from .commission_state import PHASE_SPIN, STEPS, Commission, begin_phase, fail
 from .commutation import commutate, follow_rotor
 from .encoder import wrap_count
 from .faults import FAULT_COMMISSION_FLUX, FAULT_COMMISSION_FRICTION, FAULT_COMMISSION_NOT_FREE
@@ -39,7 +39,7 @@ def spin_begin(loop: CurrentLoop, commission: Commission) -> int:
     commission.dead_sum_q = 0
     commission.current_change = 0
     probe_begin(loop, -1)
-    return go_on(commission, PHASE_SPIN)
+    return begin_phase(commission, PHASE_SPIN)
 
 
 @hot
@@ -50,7 +50,7 @@ def spin_step(loop: CurrentLoop, settings: JointSettings, state: JointState, com
     loop.probe_sign = commission.sign
     _push(loop, settings, state, commission)
     if commission.phase_ticks > _TICKS_MOST:
-        refuse(commission, FAULT_COMMISSION_FRICTION, commission.lag)
+        fail(commission, FAULT_COMMISSION_FRICTION, commission.lag)
     if commission.reason or commission.half_swings < _HALVES:
         return 0
     loop.probing = 0
@@ -63,18 +63,18 @@ def swing(loop: CurrentLoop, state: JointState, commission: Commission) -> int:
     moved = wrap_count(loop.rotor - commission.rotor_last)
     commission.rotor_last = loop.rotor
     commission.moved += moved
-    commission.away = (commission.moved - commission.centre) * commission.direction
+    commission.swing_position = (commission.moved - commission.centre) * commission.direction
     if loop.electrical_gain:
         follow_rotor(loop, state, commission)
-    if commission.away > _FAR or commission.away < -_FAR:
-        refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
+    if commission.swing_position > _FAR or commission.swing_position < -_FAR:
+        fail(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
     return moved * commission.direction
 
 
 @hot
 def turn_round(commission: Commission) -> int:
     """Reverse the direction a quarter of a turn from the middle; return it."""
-    if commission.away * commission.sign > _QUARTER:
+    if commission.swing_position * commission.sign > _QUARTER:
         commission.sign = 0 - commission.sign
         commission.half_swings += 1
     return commission.sign
@@ -128,6 +128,6 @@ def _find_flux(loop: CurrentLoop, commission: Commission) -> int:
     commission.offset_found = (commission.offset_found + atan2_brad(0 - d, q)) & 0xFFFF
     commission.flux = ratio(hypot(d, q), commission.way, 8) * 4 // 5
     if q < 1 or commission.flux < 1 or commission.flux > _BEMF_MOST:
-        refuse(commission, FAULT_COMMISSION_FLUX, commission.flux)
+        fail(commission, FAULT_COMMISSION_FLUX, commission.flux)
         return 0
     return 1

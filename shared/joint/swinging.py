@@ -12,7 +12,7 @@ friction that grows with the speed.
 from ..num.fixed import isqrt, ratio, saturate
 from ..runtime import const, hot
 from .cascade import velocity_loop, write_current
-from .commission_state import PHASE_SWING, Commission, go_on, refuse
+from .commission_state import PHASE_SWING, Commission, begin_phase, fail
 from .faults import FAULT_COMMISSION_FRICTION, FAULT_COMMISSION_INERTIA, FAULT_COMMISSION_LOAD
 from .layout import CurrentLoop, JointSettings, JointState
 from .outer import set_outer_gains
@@ -53,13 +53,13 @@ def _begin_level(loop: CurrentLoop, commission: Commission) -> None:
     commission.way_middle = 0
     commission.square_way = 0
     probe_begin(loop, 1)
-    go_on(commission, PHASE_SWING)
+    begin_phase(commission, PHASE_SWING)
 
 
 @hot
 def mechanics_step(loop: CurrentLoop, settings: JointSettings, state: JointState, commission: Commission) -> int:
     """Do one tick; return 1 when inertia and friction are found."""
-    before = commission.away
+    before = commission.swing_position
     current = loop.sum_current_q
     probe_begin(loop, 1)
     moved = saturate(swing(loop, state, commission), -_MOVED_MOST, _MOVED_MOST)
@@ -69,7 +69,7 @@ def mechanics_step(loop: CurrentLoop, settings: JointSettings, state: JointState
     else:
         follow_rate(loop, settings, state, commission)
     if commission.phase_ticks > _TICKS_MOST:
-        refuse(commission, FAULT_COMMISSION_FRICTION, commission.lag)
+        fail(commission, FAULT_COMMISSION_FRICTION, commission.lag)
     if commission.reason:
         return 0
     _add(commission, before, moved, current)
@@ -106,14 +106,14 @@ def _add(commission: Commission, before: int, moved: int, current: int) -> None:
     2^16 * 2^11.
     """
     work = saturate(current * moved, -_WORK_MOST, _WORK_MOST) + 512 >> 10
-    if commission.half_swings > 1 and moved > 0 and (before ^ commission.away) < 0:
+    if commission.half_swings > 1 and moved > 0 and (before ^ commission.swing_position) < 0:
         commission.periods += 1
     if commission.periods < 0 or commission.periods == _PERIODS:
         return
     commission.period_ticks += 1
     commission.impulse += current
     commission.square_way += moved * moved >> 4
-    ahead = saturate(commission.away, -_MIDDLE, _MIDDLE)
+    ahead = saturate(commission.swing_position, -_MIDDLE, _MIDDLE)
     if moved < 0:
         ahead = -ahead
     towards = work * (_MIDDLE - ahead) + 1024 >> 11
@@ -124,7 +124,7 @@ def _add(commission: Commission, before: int, moved: int, current: int) -> None:
     if moved < 0:
         way = -moved
     commission.way += way
-    if commission.away > -_MIDDLE and commission.away < _MIDDLE:
+    if commission.swing_position > -_MIDDLE and commission.swing_position < _MIDDLE:
         commission.square_middle += (moved * moved >> 4) * way >> 8
         commission.way_middle += way
 
@@ -161,7 +161,7 @@ def _check_load(settings: JointSettings, commission: Commission) -> int:
     acceleration = (settings.commission_current << 12) // saturate(commission.inertia, 1, 0x3FFFF)
     ticks = settings.rate_max // saturate(acceleration, 1, 0x3FFFFFF)
     if ticks > _SLOW_MOST:
-        refuse(commission, FAULT_COMMISSION_LOAD, ticks)
+        fail(commission, FAULT_COMMISSION_LOAD, ticks)
         return 0
     return 1
 
@@ -189,7 +189,7 @@ def _find_inertia(settings: JointSettings, commission: Commission) -> None:
     w = settings.velocity_w
     fits = set_outer_gains(settings, commission.inertia, w)
     if fits == 0 or set_outer_gains(settings, commission.inertia, w >> 1) == 0:
-        refuse(commission, FAULT_COMMISSION_INERTIA, commission.inertia)
+        fail(commission, FAULT_COMMISSION_INERTIA, commission.inertia)
 
 
 @hot

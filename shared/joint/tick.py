@@ -7,11 +7,11 @@ thermal.py.
 from ..runtime import hot
 from ..wire.names import MODE_COMMISSIONING, MODE_HOMING
 from .cascade import cascade_reset, cascade_step, damping_current, write_current
-from .cogging import hold_waves
+from .cogging import switch_waves
 from .commission import commission_abort, commission_start, commission_step
 from .commission_state import PHASE_REST, Commission
 from .commutation import lead_angle, set_commutation
-from .current import current_relax, current_reset
+from .current import current_clear, current_reset
 from .drive_state import drive_disarm, drive_reset, drive_step
 from .encoder import encoder_reset, encoder_step, watch_encoders
 from .feed import bus_voltage, feed_bus, feed_voltages
@@ -102,8 +102,8 @@ def _act(loop: CurrentLoop, settings: JointSettings, state: JointState, io: Join
         damping_current(settings, state)
     else:
         state.current_reference = 0
-        current_relax(loop)
-    hold_waves(loop, waves)
+        current_clear(loop)
+    switch_waves(loop, waves)
     write_current(loop, settings, state)
     lead_angle(loop, settings, state)
     return feed_voltages(loop, settings, state)
@@ -119,7 +119,7 @@ def _commission(
     running = commission_step(loop, settings, state, io, commission)
     if commission.phase <= PHASE_REST:  # idle, or at rest with the bridge off
         state.torque = TORQUE_OFF
-        current_relax(loop)
+        current_clear(loop)
     if running == 0:
         if kind != 0 and commission.reason != 0:
             state.raised = commission.reason

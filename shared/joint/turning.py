@@ -7,7 +7,7 @@ encoder, as the harmonics once and twice a turn. To verify, the field turns by h
 
 from ..num.fixed import cos_q15, hypot, saturate, sin_q15
 from ..runtime import const, hot
-from .commission_state import COMMISSION_FULL, PHASE_AGAIN, PHASE_BACK, PHASE_FORWARD, Commission, go_on, refuse
+from .commission_state import COMMISSION_FULL, PHASE_AGAIN, PHASE_BACK, PHASE_FORWARD, Commission, begin_phase, fail
 from .commutation import point
 from .encoder import wrap_count
 from .faults import (
@@ -90,7 +90,7 @@ def _forward(loop: CurrentLoop, settings: JointSettings, io: JointIo, commission
     if commission.moved < 0:
         commission.direction = -1
     if _check_pairs(settings, commission, moved) == 0 and _check_joint_encoder(settings, io, commission) == 0:
-        go_on(commission, PHASE_BACK)
+        begin_phase(commission, PHASE_BACK)
 
 
 @hot
@@ -100,9 +100,9 @@ def _check_turn(commission: Commission, moved: int) -> None:
     if first == 0:
         commission.moved_first = moved
         if moved * _PAIRS_MOST < _TURN >> 1:
-            refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
+            fail(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
     elif moved - commission.moved_seen < first >> 1:
-        refuse(commission, FAULT_COMMISSION_END_STOP, commission.moved)
+        fail(commission, FAULT_COMMISSION_END_STOP, commission.moved)
     commission.moved_seen = moved
 
 
@@ -118,11 +118,11 @@ def _check_pairs(settings: JointSettings, commission: Commission, moved: int) ->
     rest = travel - 4 * pairs * moved
     if commission.kind != COMMISSION_FULL:
         if rest > travel >> 2 or rest < -(travel >> 2):
-            return refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
+            return fail(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
         if commission.direction != settings.direction:
-            return refuse(commission, FAULT_COMMISSION_PHASE_ORDER, commission.direction)
+            return fail(commission, FAULT_COMMISSION_PHASE_ORDER, commission.direction)
     elif moved < _TURN or pairs < 1 or pairs > _PAIRS_MOST or rest > apart or rest < -apart:
-        return refuse(commission, FAULT_COMMISSION_POLE_PAIRS, commission.moved)
+        return fail(commission, FAULT_COMMISSION_POLE_PAIRS, commission.moved)
     return FAULT_NONE
 
 
@@ -137,7 +137,7 @@ def _check_joint_encoder(settings: JointSettings, io: JointIo, commission: Commi
     expected = (commission.moved_forward * commission.direction << 8) // settings.gear_q8
     error = moved - expected
     if io.joint_valid == 0 or error > (expected >> 2) + 8 or error < -(expected >> 2) - 8:
-        return refuse(commission, FAULT_COMMISSION_JOINT_ENCODER, commission.joint_moved_forward)
+        return fail(commission, FAULT_COMMISSION_JOINT_ENCODER, commission.joint_moved_forward)
     return 0
 
 
@@ -170,20 +170,20 @@ def _end(settings: JointSettings, commission: Commission) -> int:
     """Go on with the next pass; after the last one find friction, offset and eccentricity, and return 1."""
     way = commission.error_way
     if way < 1:
-        refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
+        fail(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
         return 0
     mean = commission.error_sum // way
     if commission.phase == PHASE_BACK:
         quarter = commission.moved_forward * commission.direction >> 2
         if commission.moved > quarter or commission.moved < -quarter:
-            refuse(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
+            fail(commission, FAULT_COMMISSION_NOT_FREE, commission.moved)
             return 0
         commission.mean_back = mean
-        go_on(commission, PHASE_AGAIN)
+        begin_phase(commission, PHASE_AGAIN)
         return 0
     commission.lag = mean - commission.mean_back  # half of (2 mean - back) - back
     if commission.lag > _LAG_MOST:
-        refuse(commission, FAULT_COMMISSION_FRICTION, commission.lag)
+        fail(commission, FAULT_COMMISSION_FRICTION, commission.lag)
         return 0
     gain = 4 * commission.pole_pairs * commission.direction
     commission.offset_found = (mean - gain * commission.start_rotor) & 0xFFFF
@@ -203,4 +203,4 @@ def _find_bend(commission: Commission) -> None:
         commission.bend[at] = saturate(found, -4095, 4095) * commission.direction
     amplitude = hypot(commission.bend[0], commission.bend[1])
     if amplitude > _BEND_MOST:
-        refuse(commission, FAULT_COMMISSION_MAGNET, amplitude >> 4)
+        fail(commission, FAULT_COMMISSION_MAGNET, amplitude >> 4)

@@ -8,8 +8,8 @@ whole turn, for the waves that are no multiples of the poles. All but that first
 from ..num.fixed import atan2_brad, saturate, wrap_brad
 from ..runtime import const, hot
 from .checking import begin_check, check_wave
-from .cogging import drop_wave, hold_waves, put_wave, try_wave
-from .commission_state import PHASE_WAVES, Commission, go_on, refuse
+from .cogging import drop_wave, put_wave, switch_waves, try_wave
+from .commission_state import PHASE_WAVES, Commission, begin_phase, fail
 from .creeping import CREEP_SHORT, CREEP_WHOLE, CREEP_WITHOUT, begin_round, creep_round, stand_still
 from .faults import FAULT_COMMISSION_COGGING
 from .holding import find_flux_taken
@@ -60,18 +60,18 @@ def _begin_look(commission: Commission) -> None:
     Else for multiples of the poles after a short round, for slower other waves after the whole turn; if no wave of a
     short round has settled, for those multiples there too.
     """
-    go_on(commission, PHASE_WAVES)
+    begin_phase(commission, PHASE_WAVES)
     if commission.creep_part >= CREEP_WITHOUT:
         commission.wave = 0
         look_for(commission, commission.wave_order[0])
         return
     pairs = saturate(commission.pole_pairs, 1, 50)
-    fold = saturate(commission.fold, 1, 100)
+    table_repeats = saturate(commission.table_repeats, 1, 100)
     commission.order_before = commission.wave_order[0]
     commission.current_before = commission.wave_current[0]
     commission.phase_before = commission.wave_phase[0]
-    look_for(commission, (pairs + pairs) // fold)
-    commission.order_last = saturate(pairs * _ORDERS, 1, _ORDER_MOST) // fold
+    look_for(commission, (pairs + pairs) // table_repeats)
+    commission.order_last = saturate(pairs * _ORDERS, 1, _ORDER_MOST) // table_repeats
     if commission.creep_settled:
         commission.order_last = pairs * _ORDERS >> 1
         return
@@ -87,10 +87,10 @@ def _take_wave(commission: Commission) -> None:
     Multiples of the poles stay as the last short round found them, because that round creeps more slowly.
     """
     current = wave_amplitude(commission)
-    order = commission.order * commission.fold
+    order = commission.order * commission.table_repeats
     settled = commission.creep_settled
     poles = saturate(commission.pole_pairs << 1, 2, 100)
-    weakest = _near(commission, order)
+    weakest = _indistinct(commission, order)
     if settled and (order % poles == 0 or weakest == 0):
         return
     if weakest < 0:
@@ -110,7 +110,7 @@ def _keep(commission: Commission, wave: int, order: int, current: int, phase: in
 
 
 @hot
-def _near(commission: Commission, order: int) -> int:
+def _indistinct(commission: Commission, order: int) -> int:
     """Return the first wave that the check, over two electrical turns, could not tell from this order; -1 if none.
 
     Two such waves may cancel each other there, and add up on the other side of the turn.
@@ -136,13 +136,13 @@ def _next_round(loop: CurrentLoop, settings: JointSettings, commission: Commissi
             strongest = wave
     current = commission.wave_current[strongest]
     if current >> 4 > settings.commission_current >> 1:
-        refuse(commission, FAULT_COMMISSION_COGGING, current >> 4)
+        fail(commission, FAULT_COMMISSION_COGGING, current >> 4)
         return 0
     if commission.creep_part == CREEP_WHOLE:
         return begin_check(loop, settings, commission, current >> 3)
     _swap_first(commission, strongest)
     try_wave(loop, commission, 0)
-    hold_waves(loop, 1)
+    switch_waves(loop, 1)
     commission.creep_rounds += 1
     commission.creep_settled = _settled(commission)
     if commission.creep_settled == 0:

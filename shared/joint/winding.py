@@ -16,8 +16,8 @@ from .commission_state import (
     PHASE_PROVE_CURRENT,
     PHASE_SETTLE,
     Commission,
-    go_on,
-    refuse,
+    begin_phase,
+    fail,
 )
 from .commutation import point
 from .current import current_sum
@@ -97,13 +97,13 @@ def _ramp(loop: CurrentLoop, settings: JointSettings, commission: Commission) ->
     commission.rotor_last = loop.rotor
     if turned > _TURNED_MOST or turned < -_TURNED_MOST:
         if commission.phase_ticks > _RAMP_MOST:
-            return refuse(commission, FAULT_COMMISSION_MOVING, turned << 8)
+            return fail(commission, FAULT_COMMISSION_MOVING, turned << 8)
     elif loop.current_d < wanted and loop.current_q < wanted and loop.current_q > -wanted:
         commission.level += (commission.level >> 6) + 1
     elif commission.phase_ticks > _RAMP_TICKS:
-        return go_on(commission, PHASE_SETTLE)
+        return begin_phase(commission, PHASE_SETTLE)
     if commission.level > loop.voltage_limit - (loop.voltage_limit >> 3):
-        return refuse(commission, FAULT_COMMISSION_NO_CURRENT, loop.current_d)
+        return fail(commission, FAULT_COMMISSION_NO_CURRENT, loop.current_d)
     loop.level = commission.level
     loop.feed_d = commission.level
     loop.feed_q = 0
@@ -121,11 +121,11 @@ def _settle(loop: CurrentLoop, settings: JointSettings, commission: Commission) 
     commission.angle = 0
     point(loop, commission)
     if commission.kind == COMMISSION_VERIFY:
-        loop.kp = commission.kept_kp
-        loop.ki = commission.kept_ki
+        loop.kp = commission.final_kp
+        loop.ki = commission.final_ki
         return _close_loop(loop, settings, commission)
     commission.window = 0
-    return go_on(commission, PHASE_HIGH)
+    return begin_phase(commission, PHASE_HIGH)
 
 
 @hot
@@ -135,10 +135,10 @@ def _check_phases(loop: CurrentLoop, settings: JointSettings, commission: Commis
     for phase in range(3):
         current = loop.raw[phase] - (loop.offset_q4[phase] >> 4)
         if current < least and current > 0 - least:
-            return refuse(commission, FAULT_COMMISSION_PHASE_OPEN, phase + 1)
+            return fail(commission, FAULT_COMMISSION_PHASE_OPEN, phase + 1)
     wrong = current_sum(loop)
     if wrong > settings.sum_limit or wrong < -settings.sum_limit:
-        return refuse(commission, FAULT_COMMISSION_SUM, wrong)
+        return fail(commission, FAULT_COMMISSION_SUM, wrong)
     return 0
 
 
@@ -164,11 +164,11 @@ def _measure(loop: CurrentLoop, commission: Commission) -> int:
         commission.current_high_q4 = current_q4
         loop.level = half
         loop.feed_d = half
-        return go_on(commission, PHASE_LOW)
+        return begin_phase(commission, PHASE_LOW)
     high = commission.level
     commission.resistance = ratio(high - half << 4, commission.current_high_q4 - current_q4, 16)
     if commission.resistance < 1 or commission.resistance > 0x3FFFF:
-        return refuse(commission, FAULT_COMMISSION_WINDING, commission.resistance)
+        return fail(commission, FAULT_COMMISSION_WINDING, commission.resistance)
     across = (commission.current_high_q4 >> 8) * commission.resistance
     across = across + ((commission.current_high_q4 & 255) * commission.resistance >> 8) >> 8
     commission.dead_q4 = saturate((high << 4) - across, 0, high << 4)
@@ -192,7 +192,7 @@ def _count(loop: CurrentLoop, commission: Commission, phase: int, ticks: int) ->
     """Begin sums over ``ticks`` in ``phase``; return the phase."""
     commission.window = ticks
     probe_begin(loop, 1)
-    return go_on(commission, phase)
+    return begin_phase(commission, phase)
 
 
 @hot
@@ -216,7 +216,7 @@ def _alternate(loop: CurrentLoop, settings: JointSettings, commission: Commissio
         return _count(loop, commission, commission.phase, _SHORT_TICKS)
     found = winding_inductance(volt << 4, saturate(current_q4, 1, 0xFFFFF), commission.resistance)
     if found < 1 or found > _INDUCTANCE_MOST:
-        return refuse(commission, FAULT_COMMISSION_WINDING, found)
+        return fail(commission, FAULT_COMMISSION_WINDING, found)
     if commission.phase == PHASE_ALTERNATE_D:
         commission.inductance_d = found
         loop.alternate_q = loop.alternate_d
@@ -234,9 +234,9 @@ def _tune(loop: CurrentLoop, settings: JointSettings, commission: Commission) ->
     kp = (mean * settings.current_w + 0x4000) >> 15
     ki = (commission.resistance * settings.current_w + 0x4000) >> 15
     if kp < _KP_LEAST or kp > _KP_MOST:
-        return refuse(commission, FAULT_COMMISSION_WINDING, kp)
+        return fail(commission, FAULT_COMMISSION_WINDING, kp)
     if ki < _KI_LEAST or ki > _KI_MOST:
-        return refuse(commission, FAULT_COMMISSION_WINDING, ki)
+        return fail(commission, FAULT_COMMISSION_WINDING, ki)
     loop.kp = kp
     loop.ki = ki
     return _close_loop(loop, settings, commission)
@@ -251,4 +251,4 @@ def _close_loop(loop: CurrentLoop, settings: JointSettings, commission: Commissi
     loop.reference_d = settings.commission_current
     loop.integral_d = commission.level << 13
     loop.feed_d = 0
-    return go_on(commission, PHASE_PROVE_CURRENT)
+    return begin_phase(commission, PHASE_PROVE_CURRENT)

@@ -33,16 +33,16 @@ MODE_FOLD = const(4)  # a robot that lies limp on its belly folds its legs, then
 
 
 @hot
-def repeat_command(command: Command, told: Command) -> None:
-    """Copy ``command`` into ``told``."""
-    told.mode = command.mode
-    told.gait = command.gait
-    told.balance = command.balance
-    told.height = command.height
+def copy_command(command: Command, copy: Command) -> None:
+    """Copy ``command`` into ``copy``."""
+    copy.mode = command.mode
+    copy.gait = command.gait
+    copy.balance = command.balance
+    copy.height = command.height
     for axis in range(TWIST_AXES):
-        told.speed[axis] = command.speed[axis]
+        copy.speed[axis] = command.speed[axis]
     for axis in range(POSE_AXES):
-        told.pose[axis] = command.pose[axis]
+        copy.pose[axis] = command.pose[axis]
 
 
 @hot
@@ -56,21 +56,21 @@ def slew(now: int, wanted: int, step: int) -> int:
 
 
 @hot
-def slew_speed_axis(now: int, told: int, most: int, halves: int, step: int) -> int:
-    """Return ``now`` slewed for one tick towards halves/2 of ``told``, which is first limited to +-``most``.
+def slew_speed_axis(now: int, commanded: int, most: int, halves: int, step: int) -> int:
+    """Return ``now`` slewed for one tick towards halves/2 of ``commanded``, which is first limited to +-``most``.
 
     Half of an odd speed is rounded towards 0, so that left and right mirror each other.
     """
-    if told > most or told < -most:
-        told = saturate(told, -most, most)
-    told *= halves
-    if told < 0:
-        told = -(-told >> 1)
+    if commanded > most or commanded < -most:
+        commanded = saturate(commanded, -most, most)
+    commanded *= halves
+    if commanded < 0:
+        commanded = -(-commanded >> 1)
     else:
-        told >>= 1
-    if now == told:
+        commanded >>= 1
+    if now == commanded:
         return now
-    return slew(now, told, step)
+    return slew(now, commanded, step)
 
 
 @hot
@@ -90,10 +90,10 @@ def slew_speed(params: Params, most: Twist, command: Command, halves: int, speed
 @hot
 def is_posed(command: Command, pose: Pose) -> int:
     """Return 1 if ``pose`` equals the commanded pose, as in most ticks; else 0."""
-    told = command.pose
-    if pose.x != told.x or pose.y != told.y or pose.z != told.z:
+    commanded = command.pose
+    if pose.x != commanded.x or pose.y != commanded.y or pose.z != commanded.z:
         return 0
-    if pose.roll != told.roll or pose.pitch != told.pitch or pose.yaw != told.yaw:
+    if pose.roll != commanded.roll or pose.pitch != commanded.pitch or pose.yaw != commanded.yaw:
         return 0
     return 1
 

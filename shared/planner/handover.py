@@ -5,7 +5,6 @@ goals differ from the goals sent last; the difference fades out over half a seco
 """
 
 from ..body.params import JOINTS, Params
-from ..gait.table import MOVER_TABLE
 from ..num.fixed import saturate
 from ..record import field, record, vector
 from ..runtime import Ints, const, hot
@@ -30,15 +29,7 @@ class Fade:
 
 
 @hot
-def exchanges(mover: int) -> int:
-    """Return 1 if the gaits of ``mover`` are walked by a trot and the crawl in turn, 0 if by a table alone."""
-    if mover == MOVER_TABLE:
-        return 0
-    return 1
-
-
-@hot
-def straight_on(params: Params, command: Command) -> int:
+def crawl_can_follow(params: Params, command: Command) -> int:
     """Return 1 if the crawl can follow the command: forwards, at most 45 deg sideways, hardly turning; else 0."""
     ahead = command.speed.vx
     aside = command.speed.vy

@@ -4,7 +4,7 @@
     tick    one tick, into ``planner.goal`` and ``planner.status``; return why it gives way, or 0
     stop    end, because another mover takes over
 
-This is the one place that knows which mover is which; exchange.py says when they take over from each other.
+This is the one place that knows which mover is which; mover_choice.py says when they take over from each other.
 """
 
 from ..gait.table import MOVER_CRAWL, MOVER_TROT

@@ -6,8 +6,8 @@ States: limp (nothing is driven), rising, standing, walking, sitting (going down
 command names a mode, and the planner goes there through the states between: the robot never walks before it has stood
 up, and never sits down in mid-stride.
 
-Its parts: states (which state next), exchange and movers (a table, the trot or the crawl walks), senses, steps (feet)
-and pose (body and legs) for the movers, status (what the planner reports), state (all it remembers).
+Its parts: states (which state next), mover_choice and movers (a table, the trot or the crawl walks), senses, for the
+movers follow (the command) and pose (body and legs), status (what the planner reports), state (all it remembers).
 """
 
 from ..body.params import Params
@@ -16,15 +16,15 @@ from ..runtime import hot
 from ..sense.legs import keep_sent
 from ..sense.sensed import Sensed
 from .command import Command
-from .exchange import choose_mover
 from .goals import follow_goals
+from .mover_choice import choose_mover
 from .movers import change_mover, tick_mover
 from .posture import posture_step
-from .senses import feel_legs, follow_way, take_senses
+from .senses import take_senses, update_odometry, update_sensing
 from .state import PlannerState
-from .states import choose_state, end_move, follow_joints, settle
+from .states import choose_state, end_move, follow_joints, reset_motion
 from .status import FOLDING, LIMP, RISING, SEATED, SITTING
-from .weight import put_down, watch_weight
+from .weight import stays_lifted, watch_weight
 
 
 class Planner(PlannerState):
@@ -37,7 +37,7 @@ class Planner(PlannerState):
 
     def __init__(self, params: Params, more: tuple = ()):
         super().__init__(params, more)
-        settle(self)
+        reset_motion(self)
 
     def tick(self, command: Command, sensed: Sensed) -> int:
         """Take a command and what is sensed, plan one tick; return the flags.
@@ -55,8 +55,8 @@ def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     status.flags = 0
     take_senses(planner, sensed)
     choose_state(planner, command, planner.sensed)
-    feel_legs(planner)
-    lifted = put_down(planner, command.mode)
+    update_sensing(planner)
+    lifted = stays_lifted(planner, command.mode)
     state = status.state
     if state == LIMP:
         follow_joints(planner, planner.sensed)
@@ -65,7 +65,7 @@ def plan(planner: PlannerState, command: Command, sensed: Sensed) -> int:
             end_move(planner)
     elif state != SEATED and lifted == 0:
         move(planner, command, planner.sensed)
-    if follow_way(planner):
+    if update_odometry(planner):
         watch_weight(planner)
     follow_goals(planner.params, planner.goal, planner.joints)
     if planner.sensing.known:

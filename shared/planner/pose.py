@@ -19,19 +19,19 @@ from .status import NO_ATTITUDE
 @hot
 def pose_legs(planner: PlannerState, command: Command, sensed: Sensed) -> None:
     """Put the body over the planned feet and solve the legs into ``planner.goal``."""
-    level(planner, command, sensed)
+    add_balance(planner, command, sensed)
     flags = solve_legs(planner, planner.goal)
     planner.status.flags |= flags
-    tell_margin(planner)
+    write_margin(planner)
     if planner.fade.left:
         fade_out(planner.fade, planner.goal)
         limit_legs(planner.params, planner.goal, planner.leg_flags)
 
 
 @hot
-def level(planner: PlannerState, command: Command, sensed: Sensed) -> None:
+def add_balance(planner: PlannerState, command: Command, sensed: Sensed) -> None:
     """Add the balance's correction to the slewed body pose; set NO_ATTITUDE if balance lacks a known tilt."""
-    posed = planner.last_pose
+    posed = planner.balanced_pose
     if command.balance and sensed.valid.tilt:
         roll = saturate(sensed.tilt[ROLL], -32768, 32767)
         pitch = saturate(sensed.tilt[PITCH], -32768, 32767)
@@ -51,14 +51,14 @@ def solve_legs(planner: PlannerState, joints: Ints) -> int:
     """Solve all four legs for the planned feet and body pose into ``joints``; return the flags of all legs together.
 
     A foot that would pass close to its hip, or above it, is kept clear below it: else the whole leg would swing round
-    in a tick or two. ``status.beyond`` is set where a stance leg has flags.
+    in a tick or two. ``status.out_of_reach`` is set where a stance leg has flags.
     """
     status = planner.status
-    body_rotation(planner.last_pose, planner.rotation)
-    status.beyond = 0
+    body_rotation(planner.balanced_pose, planner.rotation)
+    status.out_of_reach = 0
     together = 0
     for leg in range(LEGS):
-        body_to_hip(planner.params, leg, planner.last_pose, planner.rotation, planner.feet, planner.hip_feet)
+        body_to_hip(planner.params, leg, planner.balanced_pose, planner.rotation, planner.feet, planner.hip_feet)
         flags = 0
         highest = planner.params.legs[leg].clearance
         if planner.hip_feet.legs[leg].z > highest:
@@ -71,12 +71,12 @@ def solve_legs(planner: PlannerState, joints: Ints) -> int:
     together |= limit_legs(planner.params, joints, planner.leg_flags)
     for leg in range(LEGS):
         if planner.leg_flags[leg] and status.swinging >> leg & 1 == 0:
-            status.beyond = 1
+            status.out_of_reach = 1
     return together
 
 
 @hot
-def tell_margin(planner: PlannerState) -> None:
+def write_margin(planner: PlannerState) -> None:
     """Write the margin, how far the centre of mass is inside the support, into the status."""
     params = planner.params
     status = planner.status

@@ -35,7 +35,7 @@ def posture_start(params: Params, move: Move, joints: Ints, goal: Ints) -> int:
             gap = -gap
         if gap > longest:
             longest = gap
-    step = params.joint_step
+    step = params.joint_speed_slow
     if step < 1:
         step = 1
     move.ticks = 1 + 2 * longest // step

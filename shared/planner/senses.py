@@ -21,14 +21,14 @@ def take_senses(planner: PlannerState, sensed: Sensed) -> None:
     known = believed.valid
     known.tilt = 0
     if valid.tilt:
-        odd = believe(sensed.tilt, 2, planner.params.tilt_step, believed.tilt, planner.tilt_past)
-        known.tilt = note_odd(planner, odd)
+        odd = believe(sensed.tilt, 2, planner.params.tilt_step, believed.tilt, planner.tilt_history)
+        known.tilt = flag_odd(planner, odd)
     known.joints = 0
     if valid.joints:
-        odd = believe(sensed.joints, JOINTS, planner.params.read_step, believed.joints, planner.joints_past)
+        odd = believe(sensed.joints, JOINTS, planner.params.read_step, believed.joints, planner.joints_history)
         if planner.status.joints_seen == 0:
-            meet(planner, believed.joints)
-        known.joints = note_odd(planner, odd)
+            reset_goals(planner, believed.joints)
+        known.joints = flag_odd(planner, odd)
         planner.status.joints_seen |= known.joints
     known.turned = valid.turned
     believed.turned.x = sensed.turned.x
@@ -37,7 +37,7 @@ def take_senses(planner: PlannerState, sensed: Sensed) -> None:
 
 
 @hot
-def note_odd(planner: PlannerState, odd: int) -> int:
+def flag_odd(planner: PlannerState, odd: int) -> int:
     """Set ODD_READING if some readings were odd; return 1 if the others are known (``odd`` is not -1), else 0."""
     if odd > 0:
         planner.status.flags |= ODD_READING
@@ -47,7 +47,7 @@ def note_odd(planner: PlannerState, odd: int) -> int:
 
 
 @hot
-def meet(planner: PlannerState, read: Ints) -> None:
+def reset_goals(planner: PlannerState, read: Ints) -> None:
     """Set the goals to the joints as read."""
     for joint in range(JOINTS):
         planner.goal[joint] = read[joint]
@@ -55,7 +55,7 @@ def meet(planner: PlannerState, read: Ints) -> None:
 
 
 @hot
-def feel_legs(planner: PlannerState) -> None:
+def update_sensing(planner: PlannerState) -> None:
     """Update what the legs feel while the robot stands or walks; forget it in all other states.
 
     An unknown tilt counts as level. Without measured joints nothing is felt.
@@ -75,7 +75,7 @@ def feel_legs(planner: PlannerState) -> None:
 
 
 @hot
-def follow_way(planner: PlannerState) -> int:
+def update_odometry(planner: PlannerState) -> int:
     """Update the odometry with the feet planned to stand in this tick; return 1, or 0 if the legs feel nothing.
 
     While the robot is lifted its feet show no motion of the body, only the load that they carry.

@@ -14,7 +14,7 @@ from ..sense.odometry import Odometry
 from ..sense.sensed import Sensed
 from ..trot.state import Trot
 from .command import Command
-from .goals import Past
+from .goals import ReadingHistory
 from .handover import Fade
 from .posture import Move
 from .retreat import Retreat
@@ -36,7 +36,7 @@ class PlannerState:
         self.clock = Clock()
         self.speed = Twist()
         self.pose = Pose()
-        self.last_pose = Pose()
+        self.balanced_pose = Pose()
         self.rotation = zeros(9)
         self.steps = Steps()
         self.move = Move()
@@ -53,8 +53,8 @@ class PlannerState:
         self.goal = zeros(JOINTS)  # brad, wanted; ``joints`` follow as fast as the motors can
         self.joints = zeros(JOINTS)
         self.sensed = Sensed()  # the believed part of what is sensed
-        self.joints_past = Past()
-        self.tilt_past = Past()
+        self.joints_history = ReadingHistory()
+        self.tilt_history = ReadingHistory()
         self.sensing = Sensing()
         self.crawl = Crawl(params)
         self.fade = Fade()

@@ -105,12 +105,12 @@ def begin_move(planner: PlannerState, sensed: Sensed, state: int) -> None:
         return
     status.state = state
     status.swinging = 0
-    settle(planner)
+    reset_motion(planner)
     if state == SITTING:
-        fold_legs(planner)
+        seat_feet(planner)
     solve_legs(planner, planner.goal)
     if state == FOLDING:
-        lie_folded(planner)
+        fold_at_sides(planner)
     posture_start(planner.params, planner.move, planner.joints, planner.goal)
 
 
@@ -130,24 +130,24 @@ def end_move(planner: PlannerState) -> None:
 
 
 @hot
-def lie_folded(planner: PlannerState) -> None:
+def fold_at_sides(planner: PlannerState) -> None:
     """Set the goals to all legs folded at the sides."""
     for leg in range(LEGS):
-        lies = planner.params.legs[leg].lies
+        lies = planner.params.legs[leg].folded
         planner.goal[leg * 3] = lies.hip
         planner.goal[leg * 3 + THIGH] = lies.thigh
         planner.goal[leg * 3 + CALF] = lies.calf
 
 
 @hot
-def settle(planner: PlannerState) -> None:
+def reset_motion(planner: PlannerState) -> None:
     """Forget all motion: feet at rest under a level body, speed 0."""
     planner.speed.vx = 0
     planner.speed.vy = 0
     planner.speed.wz = 0
     for axis in range(POSE_AXES):
         planner.pose[axis] = 0
-        planner.last_pose[axis] = 0
+        planner.balanced_pose[axis] = 0
     planner.fade.left = 0
     status = planner.status
     status.mover = MOVER_TABLE
@@ -165,7 +165,7 @@ def settle(planner: PlannerState) -> None:
 
 
 @hot
-def fold_legs(planner: PlannerState) -> None:
+def seat_feet(planner: PlannerState) -> None:
     """Raise all planned feet to the seat's height under the hips."""
     for leg in range(LEGS):
         planner.feet.legs[leg].z = planner.params.legs[leg].hip.z + planner.params.sit_z

@@ -50,7 +50,7 @@ class Status:
     joints_seen: int = field("", "1: the joints have been known at least once")
     held_pose: Pose = part(Pose, "the commanded pose that was out of reach")
     pose_held: int = field("", "1: the body is held back from that pose")
-    beyond: int = field("", "1: a stance leg was out of reach or at its limits in the last tick")
+    out_of_reach: int = field("", "1: a stance leg was out of reach or at its limits in the last tick")
     pose_moves: int = field("", "1: the commanded pose moves the body in this tick")
     carries_weight: int = field("", "CARRIES_NOT .. POSED: what the feet were last felt to carry")
     feet_load_q12: int = field("own weight Q12", "what the feet carry together, averaged over 0.2 s")

@@ -3,15 +3,15 @@
 from ..crawl.crawl import crawl_start, crawl_tick
 from ..crawl.even import ground_even
 from ..crawl.state import REST, STILL
-from ..gait.table import MOVER_CRAWL, MOVER_TROT
+from ..gait.table import MOVER_CRAWL, MOVER_TABLE, MOVER_TROT
 from ..num.fixed import saturate
 from ..runtime import hot
 from ..sense.sensed import PITCH, ROLL, Sensed
 from .command import MODE_WALK, Command
-from .handover import REASON_COMMAND, REASON_EVEN, REASON_NONE, exchanges, straight_on
+from .follow import use_gait, wanted_gait
+from .handover import REASON_COMMAND, REASON_EVEN, REASON_NONE, crawl_can_follow
 from .state import PlannerState
 from .status import BLIND, STANDING, WALKING
-from .steps import use_gait, wanted_gait
 
 
 @hot
@@ -34,7 +34,7 @@ def walk_crawl(planner: PlannerState, command: Command, sensed: Sensed) -> int:
         return REASON_NONE
     roll = saturate(sensed.tilt[ROLL], -32768, 32767)
     pitch = saturate(sensed.tilt[PITCH], -32768, 32767)
-    if planner.crawl.stage.stage == STILL and planner.sensing.known > planner.params.sent_ticks + 1:
+    if planner.crawl.stage.stage == STILL and planner.sensing.known > planner.params.delay_ticks + 1:
         crawl_start(planner.crawl, planner.sensing, sensed.joints, planner.joints, roll, pitch)
     if planner.crawl.stage.stage == STILL:
         return REASON_NONE
@@ -46,7 +46,7 @@ def crawl_on(planner: PlannerState, command: Command, sensed: Sensed, roll: int,
     """One tick of the begun crawl; return why it gives way now, or REASON_NONE. roll, pitch: brad."""
     status = planner.status
     stage = planner.crawl.stage
-    reason = gives_way(planner, command)
+    reason = end_reason(planner, command)
     ahead = command.speed.vx
     if reason or command.mode != MODE_WALK or status.fallen:
         ahead = 0
@@ -64,7 +64,7 @@ def crawl_on(planner: PlannerState, command: Command, sensed: Sensed, roll: int,
 
 
 @hot
-def gives_way(planner: PlannerState, command: Command) -> int:
+def end_reason(planner: PlannerState, command: Command) -> int:
     """Return why the crawl is to end (handover.REASON_...), or REASON_NONE.
 
     A gait that does not crawl is commanded, or a way the crawl cannot go; where the gait is a trot's, also on
@@ -74,11 +74,11 @@ def gives_way(planner: PlannerState, command: Command) -> int:
     gait = planner.gaits[wanted]
     if command.mode != MODE_WALK:
         return REASON_NONE
-    if exchanges(gait.mover) == 0:
+    if gait.mover == MOVER_TABLE:
         return REASON_COMMAND
     if command.speed.vx == 0 and command.speed.vy == 0 and command.speed.wz == 0:
         return REASON_NONE
-    if straight_on(planner.params, command) == 0:
+    if crawl_can_follow(planner.params, command) == 0:
         return REASON_COMMAND
     if gait.mover == MOVER_TROT and planner.status.gait != wanted:
         return REASON_COMMAND

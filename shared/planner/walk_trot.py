@@ -8,14 +8,14 @@ from ..gait.table import MOVER_CRAWL, MOVER_TROT
 from ..num.fixed import saturate
 from ..runtime import hot
 from ..sense.sensed import Sensed
-from ..trot.lead import solve
+from ..trot.feedforward import solve
 from ..trot.state import trot_reset
 from ..trot.trot import trot_done, trot_tick
 from .command import Command
-from .handover import fade_start, straight_on
+from .follow import follow_command, limit_to_both, use_gait, wanted_gait
+from .handover import crawl_can_follow, fade_start
 from .state import PlannerState
 from .status import BLIND, NO_ATTITUDE, STANDING, WALKING
-from .steps import follow_command, limit_to_both, use_gait, wanted_gait
 
 
 @hot
@@ -40,21 +40,21 @@ def walk_trot(planner: PlannerState, command: Command, sensed: Sensed) -> None:
     Without measured joints, tilt or rates it follows the command without feedback (BLIND).
     """
     status = planner.status
-    wish = planner.trot.wish
+    trot_command = planner.trot.command
     still = follow_trot(planner, command)
     if status.state == STANDING and still == 0:
         status.state = WALKING
-    wish.moving = 0
+    trot_command.moving = 0
     if status.state == WALKING:
-        wish.moving = 1
-    wish.balance = command.balance
-    wish.height = command.height
+        trot_command.moving = 1
+    trot_command.balance = command.balance
+    trot_command.height = command.height
     flags = trot_tick(planner.params, planner.trot, sensed, planner.speed, planner.pose, planner.goal)
     status.flags |= flags
-    status.beyond = 0
-    if wish.moving == 0 and flags:
-        status.beyond = 1
-    if wish.moving and still and trot_done(planner.trot):
+    status.out_of_reach = 0
+    if trot_command.moving == 0 and flags:
+        status.out_of_reach = 1
+    if trot_command.moving and still and trot_done(planner.trot):
         status.state = STANDING
     if planner.trot.state.known == 0:
         status.flags |= BLIND
@@ -78,7 +78,7 @@ def follow_trot(planner: PlannerState, command: Command) -> int:
         planner.top_speed.vy = saturate(planner.top_speed.vy, 0, most)
     halves = 0
     gait = planner.gaits[wanted]
-    if gait.mover == MOVER_TROT or (gait.mover == MOVER_CRAWL and straight_on(planner.params, command) == 0):
+    if gait.mover == MOVER_TROT or (gait.mover == MOVER_CRAWL and crawl_can_follow(planner.params, command) == 0):
         halves = 2
         if planner.status.gait != wanted:
             use_gait(planner, wanted)

@@ -39,9 +39,9 @@ def watch_weight(planner: PlannerState) -> None:
             status.carries_weight = POSED
         status.feet_load_q12 = 0
         return
-    status.feet_load_q12 += (carried(planner) - status.feet_load_q12) * planner.params.evened_q10 >> 10
+    status.feet_load_q12 += (carried_load_q12(planner) - status.feet_load_q12) * planner.params.average_q10 >> 10
     if status.carries_weight != CARRIES:
-        ask(planner)
+        check_carries(planner)
     elif status.feet_load_q12 < _QUARTER_Q12:
         status.lifted = 1
         status.flags |= LIFTED
@@ -50,7 +50,7 @@ def watch_weight(planner: PlannerState) -> None:
 
 
 @hot
-def carried(planner: PlannerState) -> int:
+def carried_load_q12(planner: PlannerState) -> int:
     """Return what the feet carry, own weight Q12: also the one that the crawl lowers.
 
     It may bear most of the robot before it is told to stand. Other legs in the air press only as they are moved.
@@ -65,12 +65,12 @@ def carried(planner: PlannerState) -> int:
 
 
 @hot
-def ask(planner: PlannerState) -> None:
+def check_carries(planner: PlannerState) -> None:
     """See whether the feet carry the robot: when it has risen, before it walks, while it stands, after a pose."""
     status = planner.status
     tells = 0
-    if planner.sensing.known == planner.params.sent_ticks + _RISEN:
-        status.feet_load_q12 = carried(planner)
+    if planner.sensing.known == planner.params.delay_ticks + _RISEN:
+        status.feet_load_q12 = carried_load_q12(planner)
         tells = 1
     elif status.state == STANDING or status.carries_weight == POSED:
         tells = 1
@@ -79,7 +79,7 @@ def ask(planner: PlannerState) -> None:
 
 
 @hot
-def put_down(planner: PlannerState, mode: int) -> int:
+def stays_lifted(planner: PlannerState, mode: int) -> int:
     """Return 1 while the robot is lifted: until its feet carry and it is told to stand, or it is to sit or be limp."""
     status = planner.status
     if status.lifted == 0:

@@ -32,13 +32,13 @@ class Attitude:
     gathered: int = field("ticks", "readings that start-up has gathered so far")
     sum: Ints = vector(3, "counts", "sum of the accelerometer's readings at start-up")
     gyro_sum: Ints = vector(3, "counts", "sum of the gyroscope's readings at start-up")
-    rest: Ints = vector(2, "counts", "largest change of the gyroscope's and the accelerometer's readings at rest")
-    steady: Ints = vector(6, "counts", "the reading with which the present rest began")
-    still: int = field("ticks", "for how long the sensor has been at rest, up to align_ticks")
-    rejected: int = field("ticks", "for how long the accelerometer has not been believed")
+    rest_change: Ints = vector(2, "counts", "largest at rest, of the gyroscope's and the accelerometer's readings")
+    rest_reading: Ints = vector(6, "counts", "the reading with which the present rest began")
+    rest_ticks: int = field("ticks", "for how long the sensor has been at rest, up to align_ticks")
+    rejected_ticks: int = field("ticks", "for how long the accelerometer has not been believed")
     roll: int = field("brad", "the result")
     pitch: int = field("brad", "the result")
-    rest_q27: Ints = vector(3, "rad Q27", "remainder of each axis's turn, for the next tick")
+    remainder_q27: Ints = vector(3, "rad Q27", "remainder of each axis's turn, for the next tick")
     turned: Turn = part(Turn, "turn in the last tick")
 
 
@@ -48,7 +48,7 @@ MOVED_WHILE_ALIGNING = const(4)
 
 _ONE_Q22 = const(0x400000)
 _STILL_COUNTS = const(1310)  # 10 deg/s at 131 counts: more means the robot is being moved (assumed)
-_AT_REST = const(3)  # at rest the sensors are trusted 2^3 times as fast (chosen: in 0.6 s where trust_time is 5 s)
+_REST_SHIFT = const(3)  # at rest the sensors are trusted 2^3 times as fast (chosen: in 0.6 s where trust_time is 5 s)
 _MISSED_MAX = const(1024)  # rad Q14, 3.6 deg: an error beyond it is from a knock or a fall, not from a bias
 _OFF_MAX_Q6 = const(16383)  # 256 counts: a bias that is further off is corrected bit by bit
 _BIAS_MAX = const(0x1FFFFFFF)  # counts Q16: 62 deg/s; an MPU6050 has up to 20 (specification 3.4, 6.1)
@@ -62,11 +62,11 @@ def attitude_reset(attitude: Attitude) -> None:
         attitude.sum[axis] = 0
         attitude.gyro_sum[axis] = 0
         attitude.gravity[axis] = 0
-        attitude.rest_q27[axis] = 0
+        attitude.remainder_q27[axis] = 0
         attitude.turned[axis] = 0
     attitude.gravity.z = _ONE_Q22
-    attitude.rejected = 0
-    attitude.still = 0
+    attitude.rejected_ticks = 0
+    attitude.rest_ticks = 0
     attitude.roll = 0
     attitude.pitch = 0
 
@@ -92,10 +92,10 @@ def attitude_step(attitude: Attitude, gyro_accel: Ints) -> int:
 @hot
 def align(attitude: Attitude, gyro_accel: Ints) -> int:
     """Add one reading at rest to the start-up averages; the last one sets attitude and bias."""
-    rested = rests(attitude, gyro_accel)
+    rest_ticks = count_rest(attitude, gyro_accel)
     for axis in range(3):
         rate = gyro_accel[axis]
-        if rate > _STILL_COUNTS or rate < -_STILL_COUNTS or rested < attitude.gathered:
+        if rate > _STILL_COUNTS or rate < -_STILL_COUNTS or rest_ticks < attitude.gathered:
             attitude_reset(attitude)
             return ALIGNING | MOVED_WHILE_ALIGNING
         attitude.gyro_sum[axis] += rate
@@ -107,7 +107,7 @@ def align(attitude: Attitude, gyro_accel: Ints) -> int:
         attitude.bias[axis] = (attitude.gyro_sum[axis] << 8) // attitude.gathered << 8
         attitude.sum[axis] = attitude.sum[axis] // attitude.gathered
     size = size_of(attitude.sum[0], attitude.sum[1], attitude.sum[2])
-    if not believed(attitude, size):
+    if not near_one_g(attitude, size):
         attitude_reset(attitude)
         return ALIGNING | ACCEL_REJECTED
     for axis in range(3):
@@ -123,7 +123,7 @@ def size_of(x: int, y: int, z: int) -> int:
 
 
 @hot
-def believed(attitude: Attitude, size: int) -> int:
+def near_one_g(attitude: Attitude, size: int) -> int:
     """Return 1 if an accelerometer reading of this length is close enough to 1 g, else 0."""
     away = size - attitude.one_g
     if size < 1 or away > attitude.tolerance or away < -attitude.tolerance:
@@ -141,8 +141,8 @@ def rate_q18(attitude: Attitude, counts: int, axis: int) -> int:
     """
     fine = saturate((counts << 6) - (attitude.bias[axis] >> 10), -0x3FFFFF, 0x3FFFFF)
     gain = saturate(attitude.gyro_q30, 0, 0x1FFFF)
-    turned_q27 = (fine >> 9) * gain + ((fine & 511) * gain >> 9) + attitude.rest_q27[axis]
-    attitude.rest_q27[axis] = turned_q27 & 511
+    turned_q27 = (fine >> 9) * gain + ((fine & 511) * gain >> 9) + attitude.remainder_q27[axis]
+    attitude.remainder_q27[axis] = turned_q27 & 511
     return saturate(turned_q27 >> 9, -0x8000, 0x8000)
 
 
@@ -182,18 +182,18 @@ def cross(b_q22: int, c_q22: int, wb_q18: int, wc_q18: int) -> int:
 def pull(attitude: Attitude, gyro_accel: Ints) -> int:
     """Pull the gravity vector towards the accelerometer if that reads about 1 g; return flags."""
     size = size_of(gyro_accel[3], gyro_accel[4], gyro_accel[5])
-    if not believed(attitude, size):
-        attitude.rejected = saturate(attitude.rejected + 1, 0, 0xFFFF)
-        attitude.still = 0
+    if not near_one_g(attitude, size):
+        attitude.rejected_ticks = saturate(attitude.rejected_ticks + 1, 0, 0xFFFF)
+        attitude.rest_ticks = 0
         normalise(attitude)
         return ACCEL_REJECTED
-    attitude.rejected = 0
+    attitude.rejected_ticks = 0
     x = (gyro_accel[3] << 14) // size
     y = (gyro_accel[4] << 14) // size
     z = (gyro_accel[5] << 14) // size
     trust_q15 = attitude.trust_q15
-    if rests(attitude, gyro_accel) == attitude.align_ticks:
-        trust_q15 = saturate(trust_q15 << _AT_REST, 0, 32767)
+    if count_rest(attitude, gyro_accel) == attitude.align_ticks:
+        trust_q15 = saturate(trust_q15 << _REST_SHIFT, 0, 32767)
         for axis in range(3):
             off_q6 = saturate((gyro_accel[axis] << 6) - (attitude.bias[axis] >> 10), -_OFF_MAX_Q6, _OFF_MAX_Q6)
             set_bias(attitude, axis, attitude.bias[axis] + (off_q6 * trust_q15 >> 5))
@@ -207,18 +207,18 @@ def pull(attitude: Attitude, gyro_accel: Ints) -> int:
 
 
 @hot
-def rests(attitude: Attitude, gyro_accel: Ints) -> int:
+def count_rest(attitude: Attitude, gyro_accel: Ints) -> int:
     """Count for how many ticks the readings have not changed, up to align_ticks; return that."""
-    attitude.still = saturate(attitude.still + 1, 0, attitude.align_ticks)
+    attitude.rest_ticks = saturate(attitude.rest_ticks + 1, 0, attitude.align_ticks)
     for at in range(6):
-        change = gyro_accel[at] - attitude.steady[at]
-        most = attitude.rest[at // 3]
+        change = gyro_accel[at] - attitude.rest_reading[at]
+        most = attitude.rest_change[at // 3]
         if change > most or change < -most:
-            attitude.still = 0
-    if attitude.still == 0:
+            attitude.rest_ticks = 0
+    if attitude.rest_ticks == 0:
         for at in range(6):
-            attitude.steady[at] = gyro_accel[at]
-    return attitude.still
+            attitude.rest_reading[at] = gyro_accel[at]
+    return attitude.rest_ticks
 
 
 @hot

@@ -44,7 +44,7 @@ class Sensing:
     roll_cosine_q13: int = field("Q13", "cosine of roll")
     pitch_sine_q13: int = field("Q13", "sine of pitch")
     pitch_cosine_q13: int = field("Q13", "cosine of pitch")
-    rolls_q12: int = field("lu / brad Q12", "how far a foot rolls per turn of its shank")
+    rolling_q12: int = field("lu / brad Q12", "how far a foot rolls per turn of its shank")
     answered: int = field("", "place in the ring of the goals that the joints now answer; -1: none yet")
 
 
@@ -84,7 +84,7 @@ def sense_legs(
     """Take 12 measured joints, update feet and forces.
 
     joints: brad, within +-32768; roll, pitch: brad, 0 where they are not known. ``level`` within 6 lu + 2e-4 of
-    the foot's distance. ``force_q12`` answers the goals of ``params.sent_ticks`` ticks ago, within +-16383; it
+    the foot's distance. ``force_q12`` answers the goals of ``params.delay_ticks`` ticks ago, within +-16383; it
     is 0 until there are any. Intermediates: 113510 * 8192 + 2^12 < 2^30.
     """
     sensing.roll = roll_brad
@@ -93,10 +93,10 @@ def sense_legs(
     sensing.roll_cosine_q13 = cos_q15(roll_brad) >> 2
     sensing.pitch_sine_q13 = sin_q15(pitch_brad) >> 2
     sensing.pitch_cosine_q13 = cos_q15(pitch_brad) >> 2
-    sensing.rolls_q12 = params.foot_radius * _BRAD_TO_RAD_Q26 >> 14
+    sensing.rolling_q12 = params.foot_radius * _BRAD_TO_RAD_Q26 >> 14
     sensing.answered = -1
-    if sensing.known > params.sent_ticks:
-        sensing.answered = (sensing.sent_at - params.sent_ticks & 15) * JOINTS
+    if sensing.known > params.delay_ticks:
+        sensing.answered = (sensing.sent_at - params.delay_ticks & 15) * JOINTS
     for leg in range(LEGS):
         now = feet.now.legs[leg]
         before = feet.before.legs[leg]
@@ -104,9 +104,9 @@ def sense_legs(
         before.y = now.y
         before.z = now.z
     legs_forward(params, joints, feet.waves, feet.now)
-    keep_feet(joints, feet.now, sensing)
+    level_feet(joints, feet.now, sensing)
     if sensing.answered >= 0:
-        feel_forces(params, joints, feet.waves, sensing)
+        foot_forces(params, joints, feet.waves, sensing)
     else:
         for leg in range(LEGS):
             sensing.force_q12[leg] = 0
@@ -117,7 +117,7 @@ def sense_legs(
 
 
 @hot
-def keep_feet(joints: Ints, feet: Feet, sensing: Sensing) -> None:
+def level_feet(joints: Ints, feet: Feet, sensing: Sensing) -> None:
     """Write the measured feet in level axes into ``level``, and where they would be without rolling into ``rolled``.
 
     feet: lu within +-65534, because leg and hip are within 32767 lu each. ``rolled``: error at most 1/600 of the way
@@ -140,13 +140,13 @@ def keep_feet(joints: Ints, feet: Feet, sensing: Sensing) -> None:
         level.z = foot.y * roll_sine + z * roll_cosine + 0x1000 >> 13
         shank = (joints[at + THIGH] + joints[at + CALF] + sensing.pitch + 0x8000 & 0xFFFF) - 0x8000
         hip = (joints[at] + sensing.roll + 0x8000 & 0xFFFF) - 0x8000
-        rolled.x = ahead - (sensing.rolls_q12 * shank >> 12)
-        rolled.y = aside + (sensing.rolls_q12 * hip >> 12)
+        rolled.x = ahead - (sensing.rolling_q12 * shank >> 12)
+        rolled.y = aside + (sensing.rolling_q12 * hip >> 12)
         at += 3
 
 
 @hot
-def feel_forces(params: Params, joints: Ints, waves: Ints, sensing: Sensing) -> None:
+def foot_forces(params: Params, joints: Ints, waves: Ints, sensing: Sensing) -> None:
     """Write the force of each foot along its leg from the errors of thigh and calf, Q12, +-16383.
 
     A calf motor on the body answers the errors of thigh and calf together. A leg within about 2 deg of straight gives

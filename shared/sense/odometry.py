@@ -31,24 +31,24 @@ class Odometry:
     """
 
     place: Spot = part(Spot, "of the middle of the hips")
-    place_rest: Spot = part(Spot, "its fraction of a lu, lu Q16")
+    place_fraction: Spot = part(Spot, "its fraction of a lu, lu Q16")
     turns: int = field("turns", "whole turns to the left")
     heading: int = field("2^-24 turn", "beyond the whole turns, -2^23 .. 2^23 - 1")
-    heading_rest: int = field("2^-35 turn", "its fraction of a unit")
+    heading_fraction: int = field("2^-35 turn", "its fraction of a unit")
     speed: Spot = part(Spot, "of the body, averaged over 0.2 s, lf / tick")
     turning: int = field("2^-24 rad / tick", "about z, averaged over 0.2 s")
     known: int = field("", "1: ``rolled`` is of the tick before")
     gyro: int = field("", "1: the turn is the gyroscope's, 0: the feet's")
     rolled: list[Spot] = parts(LEGS, Spot, "``Sensing.rolled`` of the tick before")
-    gone: list[Spot] = parts(LEGS, Spot, "b - n of each foot that counts")
+    moved: list[Spot] = parts(LEGS, Spot, "b - n of each foot that counts, lu")
     arm: list[Spot] = parts(LEGS, Spot, "(b + n) / 2 of each foot that counts, 2 lu")
-    gone_mean: Spot = part(Spot, "the feet's mean, lu Q2")
+    moved_mean: Spot = part(Spot, "the feet's mean, lu Q2")
     arm_mean: Spot = part(Spot, "the feet's mean, 2 lu")
-    stands: Ints = vector(LEGS, "ticks", "0: the foot swings; sent_ticks + 2: it stands; changes by 1 per tick")
+    stance_ticks: Ints = vector(LEGS, "ticks", "0: the foot swings; delay_ticks + 2: it stands; changes by 1 per tick")
     carried_q12: int = field("own weight Q12", "sum of the feet's forces; a foot that lands counts only if it presses")
-    borne_q6: Ints = vector(LEGS, "own weight Q6", "load of each foot a tick ago")
+    load_q6: Ints = vector(LEGS, "own weight Q6", "load of each foot a tick ago")
     weight: Ints = vector(LEGS, "", "weight of each foot in the mean; their sum is 253 .. 256 or 0")
-    walked: int = field("lu", "way walked, at most an eighth too long")
+    walked: int = field("lu", "distance walked, at most an eighth too long")
     slip: int = field("lu", "sum of how far the feet differed from their mean")
     heading_sigma_q26: int = field("rad Q26", "error of the heading for what was walked (one sigma)")
     heading_spread: Spot = part(Spot, "error of the place if the heading is off by that, lf")
@@ -58,8 +58,8 @@ class Odometry:
 
 _FAR = const(0x3FFF0000)
 _SUM_MAX = const(0x3F000000)  # of sums that grow by up to 2^24 in a tick: 15.75 rad Q26
-_FELT = const(16)  # own weight / 64, a quarter: the feet of a robot that stands on them never carry less together
-_GONE_MAX = const(8191)  # lu: a foot's longest way in a tick
+_LEAST_LOAD_Q6 = const(16)  # a quarter: the feet of a robot that stands on them never carry less together
+_MOVED_MAX = const(8191)  # lu, of a foot in a tick
 _ARM_MAX = const(16383)
 _TURN_MAX = const(0x8000)  # 2^-18 rad / tick, the attitude's limit
 _TO_HEADING = const(20861)  # 2^35 / (2 pi) / 2^18 = 20860.76
@@ -101,7 +101,7 @@ def odometry_step(
     place is right within 2 mm, the heading within 0.05 deg. Intermediates: 2^15 * 2^14 * sqrt 2.
     """
     total = weigh_feet(params, sensing, swinging, odometry)
-    see_feet(sensing, total, odometry)
+    measure_feet(sensing, total, odometry)
     if odometry.known:
         turn = 0
         odometry.gyro = 0
@@ -110,7 +110,7 @@ def odometry_step(
             turn = turn_of_body(sensing, sensed.turned)
         elif total:
             turn = turn_of_feet(odometry)
-        move_on(params, turn, total, walks, odometry)
+        move_body(params, turn, total, walks, odometry)
     odometry.known = 1
 
 
@@ -125,13 +125,13 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
     carried = 0
     odometry.carried_q12 = 0
     for leg in range(LEGS):
-        force = lag_plan(params, swinging >> leg & 1, leg, sensing.force_q12[leg], odometry)
-        weight = bear_on(force, leg, odometry)
+        force = stance_force(params, swinging >> leg & 1, leg, sensing.force_q12[leg], odometry)
+        weight = lasting_load_q6(force, leg, odometry)
         weight *= weight
-        carried += odometry.borne_q6[leg]
+        carried += odometry.load_q6[leg]
         odometry.weight[leg] = weight
         total += weight
-    if carried < _FELT:
+    if carried < _LEAST_LOAD_Q6:
         total = 0
         for leg in range(LEGS):
             odometry.weight[leg] = 1 - (swinging >> leg & 1)
@@ -146,20 +146,20 @@ def weigh_feet(params: Params, sensing: Sensing, swinging: int, odometry: Odomet
 
 
 @hot
-def lag_plan(params: Params, swings: int, leg: int, force_q12: int, odometry: Odometry) -> int:
-    """Let ``stands`` of a foot follow the plan; return the foot's force if it may carry, else 0. swings: 1 or 0.
+def stance_force(params: Params, swings: int, leg: int, force_q12: int, odometry: Odometry) -> int:
+    """Let ``stance_ticks`` of a foot follow the plan; return the foot's force if it may carry, else 0. swings: 1 or 0.
 
     The forces are added to ``carried_q12``, that of a foot about to land only if it presses: a leg that brakes its
     swing pulls as hard as the robot weighs.
     """
-    whole = params.sent_ticks + 2
+    whole = params.delay_ticks + 2
     lands = 0
-    if swings == 0 and odometry.stands[leg] < whole:
-        odometry.stands[leg] += 1
-        lands = whole - odometry.stands[leg]
-    elif swings and odometry.stands[leg]:
-        odometry.stands[leg] -= 1
-    if odometry.stands[leg] == 0:
+    if swings == 0 and odometry.stance_ticks[leg] < whole:
+        odometry.stance_ticks[leg] += 1
+        lands = whole - odometry.stance_ticks[leg]
+    elif swings and odometry.stance_ticks[leg]:
+        odometry.stance_ticks[leg] -= 1
+    if odometry.stance_ticks[leg] == 0:
         return 0
     if lands == 0 or force_q12 > 0:
         odometry.carried_q12 += force_q12
@@ -167,24 +167,24 @@ def lag_plan(params: Params, swings: int, leg: int, force_q12: int, odometry: Od
 
 
 @hot
-def bear_on(force_q12: int, leg: int, odometry: Odometry) -> int:
+def lasting_load_q6(force_q12: int, leg: int, odometry: Odometry) -> int:
     """Return the load carried at both ends of the tick, own weight Q6 0 .. 64; keep that at the end, ``force_q12``."""
-    before = odometry.borne_q6[leg]
+    before = odometry.load_q6[leg]
     now = saturate(force_q12 >> 6, 0, 64)
-    odometry.borne_q6[leg] = now
+    odometry.load_q6[leg] = now
     if before < now:
         return before
     return now
 
 
 @hot
-def see_feet(sensing: Sensing, total: int, odometry: Odometry) -> None:
-    """Write how far each foot that counts has gone, the middle of that way, and their means; total: sum of weights.
+def measure_feet(sensing: Sensing, total: int, odometry: Odometry) -> None:
+    """Write how far each foot that counts has moved, the middle of that way, and their means; total: sum of weights.
 
     The means are weighted. Intermediates: 256 * 4 * 2^14.
     """
-    gone_x = 0
-    gone_y = 0
+    moved_x = 0
+    moved_y = 0
     arm_x = 0
     arm_y = 0
     for leg in range(LEGS):
@@ -192,21 +192,21 @@ def see_feet(sensing: Sensing, total: int, odometry: Odometry) -> None:
         now = sensing.rolled[leg]
         weight = odometry.weight[leg]
         if weight:
-            gone = odometry.gone[leg]
+            moved = odometry.moved[leg]
             arm = odometry.arm[leg]
-            gone.x = saturate(was.x - now.x, -_GONE_MAX, _GONE_MAX)
-            gone.y = saturate(was.y - now.y, -_GONE_MAX, _GONE_MAX)
-            arm.x = saturate((sensing.level[leg].x << 1) + gone.x >> 2, -_ARM_MAX, _ARM_MAX)
-            arm.y = saturate((sensing.level[leg].y << 1) + gone.y >> 2, -_ARM_MAX, _ARM_MAX)
-            gone_x += weight * gone.x
-            gone_y += weight * gone.y
+            moved.x = saturate(was.x - now.x, -_MOVED_MAX, _MOVED_MAX)
+            moved.y = saturate(was.y - now.y, -_MOVED_MAX, _MOVED_MAX)
+            arm.x = saturate((sensing.level[leg].x << 1) + moved.x >> 2, -_ARM_MAX, _ARM_MAX)
+            arm.y = saturate((sensing.level[leg].y << 1) + moved.y >> 2, -_ARM_MAX, _ARM_MAX)
+            moved_x += weight * moved.x
+            moved_y += weight * moved.y
             arm_x += weight * arm.x
             arm_y += weight * arm.y
         was.x = now.x
         was.y = now.y
     if total:
-        odometry.gone_mean.x = ((gone_x << 2) + (total >> 1)) // total
-        odometry.gone_mean.y = ((gone_y << 2) + (total >> 1)) // total
+        odometry.moved_mean.x = ((moved_x << 2) + (total >> 1)) // total
+        odometry.moved_mean.y = ((moved_y << 2) + (total >> 1)) // total
         odometry.arm_mean.x = arm_x // total
         odometry.arm_mean.y = arm_y // total
 
@@ -235,12 +235,12 @@ def turn_of_feet(odometry: Odometry) -> int:
     for leg in range(LEGS):
         weight = odometry.weight[leg]
         if weight:
-            gone = odometry.gone[leg]
+            moved = odometry.moved[leg]
             arm = odometry.arm[leg]
             x = saturate(arm.x - odometry.arm_mean.x, -_ARM_MAX, _ARM_MAX)
             y = saturate(arm.y - odometry.arm_mean.y, -_ARM_MAX, _ARM_MAX)
-            ahead = saturate(gone.x - (odometry.gone_mean.x >> 2), -_GONE_MAX, _GONE_MAX)
-            aside = saturate(gone.y - (odometry.gone_mean.y >> 2), -_GONE_MAX, _GONE_MAX)
+            ahead = saturate(moved.x - (odometry.moved_mean.x >> 2), -_MOVED_MAX, _MOVED_MAX)
+            aside = saturate(moved.y - (odometry.moved_mean.y >> 2), -_MOVED_MAX, _MOVED_MAX)
             across += weight * (x * aside - y * ahead + 512 >> 10)
             along += weight * (x * x + y * y >> 10)
     if along <= 0:
@@ -253,29 +253,29 @@ def turn_of_feet(odometry: Odometry) -> int:
 
 
 @hot
-def move_on(params: Params, turn: int, total: int, walks: int, odometry: Odometry) -> None:
+def move_body(params: Params, turn: int, total: int, walks: int, odometry: Odometry) -> None:
     """Shift and turn the body by what the feet show, or on at its last speed if no foot counts.
 
     turn: 2^-18 rad, total: sum of the weights. ``slip`` is the feet's mean distance from the shift, x plus y, lu Q2.
     Intermediates: 2^15 * 2^14; 256 * 2^18; speeds 2^22 * 205 at the lowest rate, 20 Hz.
     """
-    share_q10 = params.evened_q10
+    share_q10 = params.average_q10
     odometry.turning += ((turn << 6) - odometry.turning) * share_q10 + 512 >> 10
-    evened = turn
+    turn_mean = turn
     if odometry.gyro == 0:
-        evened = odometry.turning + 32 >> 6
+        turn_mean = odometry.turning + 32 >> 6
     ahead = odometry.speed.x >> 6
     aside = odometry.speed.y >> 6
     slip = 0
     if total:
-        ahead = saturate(odometry.gone_mean.x + (evened * odometry.arm_mean.y + 0x4000 >> 15), -32767, 32767)
-        aside = saturate(odometry.gone_mean.y - (evened * odometry.arm_mean.x + 0x4000 >> 15), -32767, 32767)
+        ahead = saturate(odometry.moved_mean.x + (turn_mean * odometry.arm_mean.y + 0x4000 >> 15), -32767, 32767)
+        aside = saturate(odometry.moved_mean.y - (turn_mean * odometry.arm_mean.x + 0x4000 >> 15), -32767, 32767)
         for leg in range(LEGS):
             if odometry.weight[leg]:
-                gone = odometry.gone[leg]
+                moved = odometry.moved[leg]
                 arm = odometry.arm[leg]
-                x = (gone.x << 2) + (evened * arm.y + 0x4000 >> 15) - ahead
-                y = (gone.y << 2) - (evened * arm.x + 0x4000 >> 15) - aside
+                x = (moved.x << 2) + (turn_mean * arm.y + 0x4000 >> 15) - ahead
+                y = (moved.y << 2) - (turn_mean * arm.x + 0x4000 >> 15) - aside
                 if x < 0:
                     x = -x
                 if y < 0:
@@ -283,7 +283,7 @@ def move_on(params: Params, turn: int, total: int, walks: int, odometry: Odometr
                 slip += odometry.weight[leg] * (x + y)
         slip >>= 8
     if walks:
-        count_way(params, ahead, aside, slip, odometry)
+        add_distance(params, ahead, aside, slip, odometry)
     odometry.speed.x += ((ahead << 6) - odometry.speed.x) * share_q10 + 512 >> 10
     odometry.speed.y += ((aside << 6) - odometry.speed.y) * share_q10 + 512 >> 10
     place_body(ahead, aside, turn, walks, odometry)
@@ -296,8 +296,8 @@ def place_body(ahead: int, aside: int, turn: int, walks: int, odometry: Odometry
     No remainder is lost. Intermediates: 32767 * 2^14 * sqrt 2 + 2^16; 2^15 * 20861; 2^15.5 * 2^13 of
     ``heading_spread``.
     """
-    turned = turn * _TO_HEADING + odometry.heading_rest
-    odometry.heading_rest = turned & 2047
+    turned = turn * _TO_HEADING + odometry.heading_fraction
+    odometry.heading_fraction = turned & 2047
     turned >>= 11
     half = odometry.heading + (turned >> 1) >> 8
     cosine = cos_q15(half) + 1 >> 1
@@ -307,7 +307,7 @@ def place_body(ahead: int, aside: int, turn: int, walks: int, odometry: Odometry
     odometry.heading = (turned & 0xFFFFFF) - _HALF_TURN
     x = ahead * cosine - aside * sine
     y = ahead * sine + aside * cosine
-    rest = odometry.place_rest
+    rest = odometry.place_fraction
     rest.x += x
     rest.y += y
     odometry.place.x = saturate(odometry.place.x + (rest.x >> 16), -_FAR, _FAR)
@@ -322,7 +322,7 @@ def place_body(ahead: int, aside: int, turn: int, walks: int, odometry: Odometry
 
 
 @hot
-def count_way(params: Params, ahead: int, aside: int, slip: int, odometry: Odometry) -> None:
+def add_distance(params: Params, ahead: int, aside: int, slip: int, odometry: Odometry) -> None:
     """Add a shift, and how far the feet differ from it, lu Q2, to the sums from which the uncertainties follow.
 
     A heading by the gyroscope is wrong by its bias, and by 1/256 rad per slip of a leg's length; a heading by the feet

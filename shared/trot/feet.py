@@ -15,31 +15,31 @@ _PER_TURN_Q15 = const(5215)  # 1 / (2 pi)
 _FAR = const(32767)
 _WIDE = const(65535)
 _HALF_Q15 = const(16384)
-_PUSHED_Q10 = const(123)  # 0.12 of the leg: how far below its measured position a stance foot is sent at most
+_PUSH_MAX_Q10 = const(123)  # 0.12 of the leg: how far below its measured position a stance foot is sent at most
 
 
 @hot
-def stand_feet(params: Params, walk: Trot) -> None:
+def stand_feet(params: Params, trot: Trot) -> None:
     """Move the stance feet by one tick.
 
     They stay within half a leg of rest along the ground and a quarter in height, so that nothing winds up while
     somebody holds the robot tilted. Intermediates: 2 * 16383 * 32767 < 2^30.
     """
-    state = walk.state
+    state = trot.state
     half = params.leg_length << LF_BITS - 1
     about_x = state.roll_18
     about_y = state.pitch_18
     about_z = state.turn_18
     for leg in range(LEGS):
-        if walk.stance[leg]:
+        if trot.stance[leg]:
             rest = params.legs[leg].rest
-            foot = walk.feet.legs[leg]
+            foot = trot.feet.legs[leg]
             x = foot.x >> LF_BITS + 1
             y = foot.y >> LF_BITS + 1
             z = foot.z >> LF_BITS + 1
             x_lf = foot.x - state.stance_speed.x - (about_y * z - about_z * y >> 9)
             y_lf = foot.y - state.stance_speed.y - (about_z * x - about_x * z >> 9)
-            z_lf = foot.z - state.rise_speed - (about_x * y - about_y * x >> 9) + spare(params, walk, leg)
+            z_lf = foot.z - state.rise_speed - (about_x * y - about_y * x >> 9) + limit_push(params, trot, leg)
             off_x = x_lf - (rest.x << LF_BITS)
             off_y = y_lf - (rest.y << LF_BITS)
             off_z = z_lf - (rest.z << LF_BITS) << 1
@@ -53,24 +53,24 @@ def stand_feet(params: Params, walk: Trot) -> None:
 
 
 @hot
-def spare(params: Params, walk: Trot, leg: int) -> int:
+def limit_push(params: Params, trot: Trot, leg: int) -> int:
     """Return by how much the goal of a stance foot is raised in this tick, lf.
 
     A leg that can't lift its corner of the body pushes with all its force, whichever way that points, and throws the
     body ahead. The excess over 0.12 of the leg is taken back in an eighth of a cycle. Intermediates: 2^15 * 2^13.
     """
-    if walk.state.known <= params.sent_ticks:
+    if trot.state.known <= params.delay_ticks:
         return 0
-    over = saturate(walk.residual_z[leg] - (params.leg_length * _PUSHED_Q10 >> 10), 0, _FAR)
-    return over * params.trot.raise_q16 >> 4
+    over = saturate(trot.residual_z[leg] - (params.leg_length * _PUSH_MAX_Q10 >> 10), 0, _FAR)
+    return over * params.trot.height_kp_q16 >> 4
 
 
 @hot
-def lift_off(walk: Trot, leg: int) -> None:
+def lift_off(trot: Trot, leg: int) -> None:
     """Begin the swing of ``leg``: store where it starts, turned into level axes by the tilt to come."""
-    state = walk.state
-    foot = walk.feet.legs[leg]
-    start = walk.lift_offs.legs[leg]
+    state = trot.state
+    foot = trot.feet.legs[leg]
+    start = trot.lift_offs.legs[leg]
     x = foot.x >> LF_BITS
     y = foot.y >> LF_BITS
     z = foot.z >> LF_BITS
@@ -78,8 +78,8 @@ def lift_off(walk: Trot, leg: int) -> None:
     z += y * state.roll_q14 >> 14
     start.x = x + (z * state.pitch_q14 >> 14)
     start.z = z - (x * state.pitch_q14 >> 14)
-    walk.ascent_lag[leg] = 0
-    walk.shortened[leg] = 0
+    trot.ascent_lag[leg] = 0
+    trot.shortened[leg] = 0
 
 
 @hot
@@ -92,7 +92,7 @@ def cycloid_way_q15(share_q15: int) -> int:
 
 
 @hot
-def swing_feet(params: Params, walk: Trot, pose: Pose) -> None:
+def swing_feet(params: Params, trot: Trot, pose: Pose) -> None:
     """Move the swing feet by one tick.
 
     Along the ground a foot comes to rest before it touches down; its height is a cosine. Foothold: rest, plus the way
@@ -100,7 +100,7 @@ def swing_feet(params: Params, walk: Trot, pose: Pose) -> None:
     level axes, then turned into the body by the tilt to come. Intermediates: 32767 * 32767 + 2^14.
     """
     setup = params.trot
-    share = walk.state.swing_q15
+    share = trot.state.swing_q15
     ahead = share * setup.ahead_rate_q13 >> 13
     if ahead > 32767:
         ahead = 32767
@@ -109,47 +109,47 @@ def swing_feet(params: Params, walk: Trot, pose: Pose) -> None:
     up = 32767 - cos_q15(share << 1) >> 1
     low = -setup.height - pose.z
     for leg in range(LEGS):
-        if walk.stance[leg] == 0:
-            if walk.rises_first[leg]:
-                swing_foot(params, walk, leg, pose, share, free_way_q15(params, share))
-                draw_back(params, walk, leg, share)
+        if trot.stance[leg] == 0:
+            if trot.rises_first[leg]:
+                swing_foot(params, trot, leg, pose, share, held_up_way_q15(params, share))
+                draw_back(params, trot, leg, share)
             else:
-                swing_foot(params, walk, leg, pose, share, way)
-            settle_foot(walk, leg, mul_q15(walk.apex[leg], up), low, down)
+                swing_foot(params, trot, leg, pose, share, way)
+            settle_foot(trot, leg, mul_q15(trot.apex[leg], up), low, down)
 
 
 @hot
-def free_way_q15(params: Params, share_q15: int) -> int:
+def held_up_way_q15(params: Params, share_q15: int) -> int:
     """Return the share of its way that a held-up foot has covered after a share of its next swing, both 0 .. 32767.
 
     The foot rises before it goes ahead. Pressed against a riser it would be held down by friction, and would pull its
     corner of the body down instead of rising. Intermediates: 2^15 * 2^14.
     """
     setup = params.trot
-    return cycloid_way_q15(saturate((share_q15 - setup.free_from_q15) * setup.free_rate_q13 >> 13, 0, 32767))
+    return cycloid_way_q15(saturate((share_q15 - setup.rise_first_q15) * setup.rise_first_rate_q13 >> 13, 0, 32767))
 
 
 @hot
-def draw_back(params: Params, walk: Trot, leg: int, share_q15: int) -> None:
+def draw_back(params: Params, trot: Trot, leg: int, share_q15: int) -> None:
     """Pull a foot that was held up back from the obstacle, in the first half of its swing. Part of swing_feet."""
     if share_q15 >= _HALF_Q15:
         return
     back = mul_q15(params.trot.draw_back, 32767 - cos_q15(share_q15 << 2) >> 1)
-    if walk.state.foot_speed.x < 0:
+    if trot.state.foot_speed.x < 0:
         back = -back
-    walk.feet.legs[leg].x -= back << LF_BITS
+    trot.feet.legs[leg].x -= back << LF_BITS
 
 
 @hot
-def swing_foot(params: Params, walk: Trot, leg: int, pose: Pose, share_q15: int, way_q15: int) -> None:
+def swing_foot(params: Params, trot: Trot, leg: int, pose: Pose, share_q15: int, way_q15: int) -> None:
     """Write x and y of a swing foot, lf in level axes, into ``feet``. Part of swing_feet.
 
     Intermediates: 2^13 * 2^15 of a speed and a time.
     """
-    state = walk.state
+    state = trot.state
     setup = params.trot
-    foot = walk.feet.legs[leg]
-    start = walk.lift_offs.legs[leg]
+    foot = trot.feet.legs[leg]
+    start = trot.lift_offs.legs[leg]
     rest = params.legs[leg].rest
     x = rest.x + params.com_x - pose.x
     y = rest.y + params.com_y - pose.y
@@ -160,25 +160,25 @@ def swing_foot(params: Params, walk: Trot, leg: int, pose: Pose, share_q15: int,
     back = saturate((state.stance_speed.x - turn_x >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
     gap = saturate(x - start.x + back, -_FAR, _FAR)
     x = start.x + mul_q15(gap, way_q15) - mul_q15(back, share_q15)
-    foot.x = x - walk.shortened[leg] << LF_BITS
+    foot.x = x - trot.shortened[leg] << LF_BITS
     back = saturate((state.stance_speed.y + turn_y >> 6) * setup.swing_q8 >> 10, -_FAR, _FAR)
     gap = saturate(y - start.y + back, -_FAR, _FAR)
     foot.y = start.y + mul_q15(gap, way_q15) - mul_q15(back, share_q15) << LF_BITS
 
 
 @hot
-def settle_foot(walk: Trot, leg: int, lifted: int, low: int, down_q15: int) -> None:
+def settle_foot(trot: Trot, leg: int, lifted: int, low: int, down_q15: int) -> None:
     """Write the height of a swing foot and turn the foot into body axes. Part of swing_feet.
 
     lifted: lu above the straight line from the start to ``low``. Limited to 32767 lu in height, 65535 along the ground.
     Intermediates: 65535 * 8191.
     """
-    state = walk.state
-    foot = walk.feet.legs[leg]
-    start_z = walk.lift_offs.legs[leg].z
+    state = trot.state
+    foot = trot.feet.legs[leg]
+    start_z = trot.lift_offs.legs[leg].z
     x = saturate(foot.x >> LF_BITS, -_WIDE, _WIDE)
     y = saturate(foot.y >> LF_BITS, -_WIDE, _WIDE)
-    low += ground_z(walk, x, y)
+    low += ground_z(trot, x, y)
     z = start_z + mul_q15(saturate(low - start_z, -_FAR, _FAR), down_q15) + lifted
     z = saturate(z, -_FAR, _FAR)
     foot.x = x - (z * state.pitch_q14 >> 14) << LF_BITS

@@ -17,29 +17,29 @@ _FAR = const(32767)
 
 
 @hot
-def feel_slope(params: Params, walk: Trot) -> None:
+def update_slope(params: Params, trot: Trot) -> None:
     """Update the slope from the measured stance feet, in level axes."""
     middle_x = 0
     middle_y = 0
     middle_z = 0
     count = 0
     for leg in range(LEGS):
-        if walk.stance[leg]:
-            foot = walk.measured.legs[leg]
-            z = level_z(walk, leg)
+        if trot.stance[leg]:
+            foot = trot.measured.legs[leg]
+            z = level_z(trot, leg)
             middle_x += foot.x
             middle_y += foot.y
             middle_z += z
-            walk.heights[leg] = z
+            trot.heights[leg] = z
             count += 1
     if count < 2:
         return
-    follow_feet(params, walk, count, middle_x // count, middle_y // count, middle_z // count)
+    update_plane(params, trot, count, middle_x // count, middle_y // count, middle_z // count)
 
 
 @hot
-def follow_feet(params: Params, walk: Trot, count: int, middle_x: int, middle_y: int, middle_z: int) -> None:
-    """Update the slope from the ``count`` stance feet about their middle, lu in level axes. Part of feel_slope.
+def update_plane(params: Params, trot: Trot, count: int, middle_x: int, middle_y: int, middle_z: int) -> None:
+    """Update the slope from the ``count`` stance feet about their middle, lu in level axes. Part of update_slope.
 
     Each diagonal shows a mixture of both slopes, the other one a different mixture: together they show both. This is
     the step of normalized least mean squares. Intermediates: 4 * 32767 * 1023, 8 * 1023^2, 2^13 * 2^15.
@@ -49,11 +49,11 @@ def follow_feet(params: Params, walk: Trot, count: int, middle_x: int, middle_y:
     square = 0
     uneven = 0
     for leg in range(LEGS):
-        if walk.stance[leg]:
-            foot = walk.measured.legs[leg]
+        if trot.stance[leg]:
+            foot = trot.measured.legs[leg]
             x = saturate(foot.x - middle_x, -_FAR, _FAR)
             y = saturate(foot.y - middle_y, -_FAR, _FAR)
-            off = walk.heights[leg] - middle_z - ground_z(walk, x, y)
+            off = trot.heights[leg] - middle_z - ground_z(trot, x, y)
             off = saturate(off, -_FAR, _FAR)
             if off < 0:
                 uneven -= off
@@ -65,55 +65,55 @@ def follow_feet(params: Params, walk: Trot, count: int, middle_x: int, middle_y:
             along_y += off * y
             square += x * x + y * y
     square = (square >> 9) + 1
-    follow_slope(params, walk, 0, along_x // square)
-    follow_slope(params, walk, 1, along_y // square)
-    follow_uneven(params, walk, uneven // count)
+    correct_slope(params, trot, 0, along_x // square)
+    correct_slope(params, trot, 1, along_y // square)
+    update_uneven(params, trot, uneven // count)
 
 
 @hot
-def follow_slope(params: Params, walk: Trot, axis: int, off_q14: int) -> None:
+def correct_slope(params: Params, trot: Trot, axis: int, off_q14: int) -> None:
     """Correct one slope, within +-0.3, by a share of its error ``off_q14``, any 30 bits."""
-    state = walk.state
-    step = saturate(off_q14, -_STEP_Q14, _STEP_Q14) * params.trot.slope_q15 >> 9
+    state = trot.state
+    step = saturate(off_q14, -_STEP_Q14, _STEP_Q14) * params.trot.slope_gain_q15 >> 9
     state.slope_q20[axis] = saturate(state.slope_q20[axis] + step, -_MOST_Q20, _MOST_Q20)
 
 
 @hot
-def follow_uneven(params: Params, walk: Trot, off: int) -> None:
+def update_uneven(params: Params, trot: Trot, off: int) -> None:
     """Average how far the feet are off their plane: ``off`` in lu, 0 or more. Intermediates: 2^16 * 2^13."""
-    state = walk.state
+    state = trot.state
     off = saturate(off, 0, params.leg_length >> 4) << 4
-    state.uneven_q4 += (off - state.uneven_q4) * params.trot.slope_q15 >> 17
+    state.uneven_q4 += (off - state.uneven_q4) * params.trot.slope_gain_q15 >> 17
 
 
 @hot
-def rise_q20(walk: Trot) -> int:
+def slope_ahead_q20(trot: Trot) -> int:
     """Return the slope of the ground in the commanded direction, forwards or backwards, Q20 within +-0.3."""
-    if walk.state.foot_speed.x < 0:
-        return -walk.state.slope_q20.x
-    return walk.state.slope_q20.x
+    if trot.state.foot_speed.x < 0:
+        return -trot.state.slope_q20.x
+    return trot.state.slope_q20.x
 
 
 @hot
-def climbs(params: Params, walk: Trot) -> int:
+def climbs(params: Params, trot: Trot) -> int:
     """Return 1 if the ground rises ahead like stairs, or like an edge with the hind feet still below it; else 0.
 
     There the feet have lately stood off their plane; on a slope they stand in it.
     """
-    if rise_q20(walk) > _STEEP_Q20 and walk.state.uneven_q4 > params.leg_length * _UNEVEN_Q10 >> 10:
+    if slope_ahead_q20(trot) > _STEEP_Q20 and trot.state.uneven_q4 > params.leg_length * _UNEVEN_Q10 >> 10:
         return 1
     return 0
 
 
 @hot
-def level_z(walk: Trot, leg: int) -> int:
+def level_z(trot: Trot, leg: int) -> int:
     """Return the height of a measured foot in level axes, lu."""
-    state = walk.state
-    foot = walk.measured.legs[leg]
+    state = trot.state
+    foot = trot.measured.legs[leg]
     return foot.z + (foot.y * state.tilt_q14.roll >> 14) - (foot.x * state.tilt_q14.pitch >> 14)
 
 
 @hot
-def ground_z(walk: Trot, x: int, y: int) -> int:
+def ground_z(trot: Trot, x: int, y: int) -> int:
     """Return how much higher the ground is expected at (x, y) than below the body, lu; x, y within +-65535."""
-    return (x * (walk.state.slope_q20.x >> 6) >> 14) + (y * (walk.state.slope_q20.y >> 6) >> 14)
+    return (x * (trot.state.slope_q20.x >> 6) >> 14) + (y * (trot.state.slope_q20.y >> 6) >> 14)

@@ -10,7 +10,7 @@ from ..sense.legs import MeasuredFeet
 from ..sense.odometry import Odometry
 
 CYCLE_Q20 = const(0x100000)
-DELAY_TICKS = const(16)  # how much of the past is kept; params.sent_ticks is at most 15
+HISTORY_TICKS = const(16)  # how much of the past is kept; params.delay_ticks is at most 15
 
 
 @record
@@ -48,7 +48,7 @@ class TrotState:
 
 
 @record
-class Wish:
+class TrotCommand:
     """How the trot is to walk, besides speed and pose."""
 
     moving: int = field("", "0: stand")
@@ -61,7 +61,7 @@ class Trot:
 
     def __init__(self, feet: MeasuredFeet, odometry: Odometry) -> None:
         self.state = TrotState()
-        self.wish = Wish()
+        self.command = TrotCommand()
         self.work = LegsWork()
         self.feet = Feet()  # lf, planned
         self.lift_offs = Feet()  # lu, level: where each swing began
@@ -69,8 +69,8 @@ class Trot:
         self.before = feet.before  # lu, the same a tick ago
         self.heights = zeros(LEGS)  # lu, of the measured feet that stand, in level axes
         self.odometry = odometry  # the body's speed, as of the tick before: late, but undisturbed by touchdowns
-        self.free_x_q4 = zeros(LEGS)  # lu Q4: where each foot would be if nothing hindered it
-        self.free_z_q4 = zeros(LEGS)
+        self.expected_x_q4 = zeros(LEGS)  # lu Q4: where each foot would be if nothing hindered it
+        self.expected_z_q4 = zeros(LEGS)
         self.residual_x = zeros(LEGS)  # lu: measured less unhindered
         self.residual_z = zeros(LEGS)
         self.ascent_lag = zeros(LEGS)  # lu: how far the foot stayed below the unhindered one at most while it rose
@@ -90,15 +90,15 @@ class Trot:
         self.joints = zeros(JOINTS)  # brad: they reach ``hip_feet``
         self.joints_before = zeros(JOINTS)  # brad: the same a tick ago
         self.last_pose = Pose()  # the pose of the tick before
-        self.past_x = zeros(DELAY_TICKS * LEGS)  # lu: rings of the planned feet
-        self.past_z = zeros(DELAY_TICKS * LEGS)
-        self.past_stance = zeros(DELAY_TICKS)  # bits: ring of the stance legs
+        self.past_x = zeros(HISTORY_TICKS * LEGS)  # lu: rings of the planned feet
+        self.past_z = zeros(HISTORY_TICKS * LEGS)
+        self.past_stance = zeros(HISTORY_TICKS)  # bits: ring of the stance legs
 
 
 @hot
-def trot_reset(params: Params, walk: Trot) -> None:
+def trot_reset(params: Params, trot: Trot) -> None:
     """Stand at rest, with nothing measured."""
-    state = walk.state
+    state = trot.state
     setup = params.trot
     state.phase_q20 = (setup.stance_q20 >> 1) - (CYCLE_Q20 >> 2)
     state.known = 0
@@ -118,20 +118,20 @@ def trot_reset(params: Params, walk: Trot) -> None:
         state.measured_speed[axis] = 0
         state.speed_integral_q8[axis] = 0
     for axis in range(POSE_AXES):
-        walk.last_pose[axis] = 0
+        trot.last_pose[axis] = 0
     for leg in range(LEGS):
         limb = params.legs[leg]
-        walk.stance[leg] = 1
-        walk.early_contact[leg] = 0
-        walk.load_q12[leg] = 0
-        walk.held_up[leg] = 0
-        walk.rises_first[leg] = 0
-        walk.shortened[leg] = 0
-        walk.peak_lag[leg] = 0
-        walk.usual_lag[leg] = 0
-        walk.stuck_score[leg] = 0
-        walk.held_up_in_row[leg >> 1] = 0
-        foot = walk.feet.legs[leg]
+        trot.stance[leg] = 1
+        trot.early_contact[leg] = 0
+        trot.load_q12[leg] = 0
+        trot.held_up[leg] = 0
+        trot.rises_first[leg] = 0
+        trot.shortened[leg] = 0
+        trot.peak_lag[leg] = 0
+        trot.usual_lag[leg] = 0
+        trot.stuck_score[leg] = 0
+        trot.held_up_in_row[leg >> 1] = 0
+        foot = trot.feet.legs[leg]
         foot.x = limb.rest.x << LF_BITS
         foot.y = limb.rest.y << LF_BITS
         foot.z = limb.rest.z << LF_BITS

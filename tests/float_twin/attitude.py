@@ -18,19 +18,20 @@ OFF_MAX = 256 - 1 / 64  # counts
 class Attitude:
     """``gyro_rad``: rad per count and tick; ``trust``: share of the accelerometer's correction a tick.
 
-    ``learn``: counts of bias per rad corrected and tick; ``rest``: counts by which readings differ at rest.
+    ``learn``: counts of bias per rad corrected and tick; ``rest_change``: counts by which readings differ at rest.
     """
 
-    def __init__(self, gyro_rad, one_g, trust, learn, tolerance, rest, align_ticks, still_counts=1310):
+    def __init__(self, gyro_rad, one_g, trust, learn, tolerance, rest_change, align_ticks, still_counts=1310):
         self.gyro_rad, self.one_g, self.trust, self.learn = gyro_rad, one_g, trust, learn
-        self.tolerance, self.rest, self.align_ticks, self.still_counts = tolerance, rest, align_ticks, still_counts
-        self.steady = (0,) * 6
+        self.tolerance, self.rest_change = tolerance, rest_change
+        self.align_ticks, self.still_counts = align_ticks, still_counts
+        self.rest_reading = (0,) * 6
         self.reset()
 
     def reset(self):
         """Begin with the alignment at rest."""
         self.readings = []
-        self.still = 0
+        self.rest_ticks = 0
         self.bias = (0.0, 0.0, 0.0)
         self.up = (0.0, 0.0, 1.0)
 
@@ -42,9 +43,9 @@ class Attitude:
         self.up = turned_back(self.up, rates)
         size = length(*accel)
         flags = 0
-        if self.believed(size):
+        if self.near_one_g(size):
             seen, trust = [a / size for a in accel], self.trust
-            if self.rests(list(gyro) + list(accel)) >= self.align_ticks:
+            if self.count_rest(list(gyro) + list(accel)) >= self.align_ticks:
                 trust = min(1.0, trust * AT_REST)
                 off = [limit(c - b, -OFF_MAX, OFF_MAX) for c, b in zip(gyro, self.bias)]
                 self.bias = [b + trust * o for b, o in zip(self.bias, off)]
@@ -53,26 +54,26 @@ class Attitude:
                 self.bias = [limit(b - self.learn * m, -BIAS_MAX, BIAS_MAX) for b, m in zip(self.bias, missed)]
             self.up = [u + trust * (a - u) for u, a in zip(self.up, seen)]
         else:
-            flags, self.still = ACCEL_REJECTED, 0
+            flags, self.rest_ticks = ACCEL_REJECTED, 0
         self.up = unit(self.up)
         return flags
 
-    def rests(self, reading):
+    def count_rest(self, reading):
         """Return for how many ticks the readings have stayed as they are."""
-        self.still += 1
-        if any(abs(c - s) > self.rest[at // 3] for at, (c, s) in enumerate(zip(reading, self.steady))):
-            self.still = 0
-        if self.still == 0:
-            self.steady = tuple(reading)
-        return self.still
+        self.rest_ticks += 1
+        if any(abs(c - s) > self.rest_change[at // 3] for at, (c, s) in enumerate(zip(reading, self.rest_reading))):
+            self.rest_ticks = 0
+        if self.rest_ticks == 0:
+            self.rest_reading = tuple(reading)
+        return self.rest_ticks
 
-    def believed(self, size):
+    def near_one_g(self, size):
         """Return True if an accelerometer reading of this length is near enough to 1 g."""
         return size >= 1 and abs(size - self.one_g) <= self.tolerance
 
     def align(self, gyro, accel):
         """Gather one reading at rest; the last sets attitude and bias."""
-        moved = self.rests(list(gyro) + list(accel)) < len(self.readings)
+        moved = self.count_rest(list(gyro) + list(accel)) < len(self.readings)
         if moved or max([abs(c) for c in gyro]) > self.still_counts:
             self.reset()
             return ALIGNING | MOVED_WHILE_ALIGNING
@@ -81,7 +82,7 @@ class Attitude:
             return ALIGNING
         self.bias = [sum([one[0][i] for one in self.readings]) / self.align_ticks for i in range(3)]
         mean = [sum([one[1][i] for one in self.readings]) / self.align_ticks for i in range(3)]
-        if not self.believed(length(*mean)):
+        if not self.near_one_g(length(*mean)):
             self.reset()
             return ALIGNING | ACCEL_REJECTED
         self.up = unit(mean)
@@ -97,7 +98,7 @@ def of_block(block):
     """Return the filter with the settings of a block of the core's (shared/sense/attitude.py)."""
     return Attitude(
         block.gyro_q30 / 2.0**30, block.one_g, block.trust_q15 / 2.0**15, block.learn_q12 / 2.0**14,
-        block.tolerance, list(block.rest), block.align_ticks,
+        block.tolerance, list(block.rest_change), block.align_ticks,
     )
 
 

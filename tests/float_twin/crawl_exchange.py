@@ -36,7 +36,7 @@ def can_follow(robot, speed):
 
 
 class Exchange:
-    """The exchange of one robot; robot: what Retreat needs, sent_ticks; gaits: how many there are."""
+    """The exchange of one robot; robot: what Retreat needs, delay_ticks; gaits: how many there are."""
 
     def __init__(self, robot, gaits, doubt):
         self.robot, self.gaits, self.doubt = robot, gaits, doubt
@@ -109,7 +109,7 @@ class Exchange:
     def begin_crawl(self, known):
         """Begin the crawl proper once the loads are known: a measurement later than the last goal's effect."""
         self.blind = not senses(known)
-        if not self.blind and self.stage == READY and known.known > self.robot.sent_ticks + 1:
+        if not self.blind and self.stage == READY and known.known > self.robot.delay_ticks + 1:
             self.stage = ON
 
     def end_crawl(self, command, known, reason, resting):

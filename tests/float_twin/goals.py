@@ -8,10 +8,12 @@ def follow(wanted, joints, tops, coupled):
     made = []
     for at in range(0, 12, 3):
         hip, thigh, calf = [wanted[at + i] - joints[at + i] for i in range(3)]
-        shank = limit(thigh + calf, -tops[2], tops[2])
-        thigh_made = limit(thigh, -tops[1], tops[1])
-        calf = shank - thigh_made if coupled else limit(calf, -tops[2], tops[2])
-        made += [joints[at] + limit(hip, -tops[0], tops[0]), joints[at + 1] + thigh_made, joints[at + 2] + calf]
+        thigh_made, calf_made = limit(thigh, -tops[1], tops[1]), limit(calf, -tops[2], tops[2])
+        if coupled:
+            shank = limit(thigh + calf, -tops[2], tops[2])
+            calf_made = limit(shank - thigh_made, min(0, calf), max(0, calf))
+            thigh_made = limit(thigh_made, -tops[2] - calf_made, tops[2] - calf_made)
+        made += [joints[at] + limit(hip, -tops[0], tops[0]), joints[at + 1] + thigh_made, joints[at + 2] + calf_made]
     return made
 
 

@@ -16,13 +16,13 @@ SMOOTH_S = 0.2
 class Odometry:
     """One robot's: x, y, yaw, and the error vectors of its covariance."""
 
-    def __init__(self, rate_hz, leg_m, sent_ticks):
-        self.rate_hz, self.leg_m, self.sent_ticks = rate_hz, leg_m, sent_ticks
+    def __init__(self, rate_hz, leg_m, delay_ticks):
+        self.rate_hz, self.leg_m, self.delay_ticks = rate_hz, leg_m, delay_ticks
         self.share = 1 / (1 + SMOOTH_S * rate_hz)
         self.x = self.y = self.yaw = self.walked = self.slip = self.heading_sigma = 0.0
         self.vx = self.vy = self.wz = 0.0
         self.heading_spread = [0.0, 0.0]
-        self.before, self.stands, self.borne = None, [0] * 4, [0.0] * 4
+        self.before, self.stance_ticks, self.load = None, [0] * 4, [0.0] * 4
 
     def step(self, feet, rolled, forces, swinging, turned, tilt, walks):
         """Take a tick; ``turned``: (x, y, z) in rad, None without a gyroscope."""
@@ -40,10 +40,10 @@ class Odometry:
         self.wz += self.share * (turn * self.rate_hz - self.wz)
         shift, slip = (self.vx / self.rate_hz, self.vy / self.rate_hz), 0.0
         if total:
-            evened = turn if by_gyro else self.wz / self.rate_hz
-            told = [shift_of(b, n, evened) for b, n in zip(before, feet)]
-            shift = [sum([w * d[axis] for w, d in zip(weights, told)]) / total for axis in range(2)]
-            slip = sum([w * (abs(d[0] - shift[0]) + abs(d[1] - shift[1])) for w, d in zip(weights, told)]) / total
+            turn_mean = turn if by_gyro else self.wz / self.rate_hz
+            shifts = [shift_of(b, n, turn_mean) for b, n in zip(before, feet)]
+            shift = [sum([w * d[axis] for w, d in zip(weights, shifts)]) / total for axis in range(2)]
+            slip = sum([w * (abs(d[0] - shift[0]) + abs(d[1] - shift[1])) for w, d in zip(weights, shifts)]) / total
         self.move(shift, turn, slip, walks, by_gyro)
 
     def weights(self, forces, swinging):
@@ -52,10 +52,11 @@ class Odometry:
         By the plan alone where the joints tell of less than a quarter of the weight.
         """
         swings = [swinging >> leg & 1 for leg in range(4)]
-        self.stands = [limit(was + 1 - 2 * each, 0, self.sent_ticks + 2) for was, each in zip(self.stands, swings)]
-        carried = [limit(force, 0.0, 1.0) if stands or not each else 0.0
-                   for force, stands, each in zip(forces, self.stands, swings)]
-        before, self.borne = self.borne, carried
+        whole = self.delay_ticks + 2
+        self.stance_ticks = [limit(was + 1 - 2 * each, 0, whole) for was, each in zip(self.stance_ticks, swings)]
+        carried = [limit(force, 0.0, 1.0) if stance_ticks or not each else 0.0
+                   for force, stance_ticks, each in zip(forces, self.stance_ticks, swings)]
+        before, self.load = self.load, carried
         if sum(carried) < 0.25:
             return [float(not swinging >> leg & 1) for leg in range(4)]
         return [min(was, force) ** 2 for was, force in zip(before, carried)]

@@ -53,7 +53,7 @@ class Planner:
         self.planned = [list(foot.rest) for foot in self.feet]
         self.flagged = [False] * 4
         self.in_air = [False] * 4
-        self.held, self.beyond = None, False
+        self.held, self.out_of_reach = None, False
 
     def tick(self, command, sensed):
         """Plan one tick; returns the twelve joint angles."""
@@ -68,7 +68,7 @@ class Planner:
             self.walk(command)
             self.level(command, sensed)
             self.wanted = self.solve()
-        self.joints = goals.follow(self.wanted, self.joints, self.robot.joint_top, self.robot.coupled)
+        self.joints = goals.follow(self.wanted, self.joints, self.robot.joint_speed_max, self.robot.coupled)
         return self.joints
 
     def choose(self, command, sensed):
@@ -90,7 +90,7 @@ class Planner:
         self.start = self.joints
         self.goal = self.solve(self.robot.sit_z if state == SITTING else None)
         longest = max([abs(a - b) for a, b in zip(self.start, self.goal)])
-        self.move_ticks = 1 + int(2 * longest / self.robot.joint_step)
+        self.move_ticks = 1 + int(2 * longest / self.robot.joint_speed_slow)
         self.move_tick = 0
 
     def move_joints(self):
@@ -157,14 +157,14 @@ class Planner:
             self.speed[i] = towards(self.speed[i], target, self.robot.speed_slew[i])
         self.hold(command)
         for i, top in enumerate(self.robot.pose_max):
-            target = 0.0 if self.beyond else self.pose[i] if self.held else limit(command.pose[i], -top, top)
+            target = 0.0 if self.out_of_reach else self.pose[i] if self.held else limit(command.pose[i], -top, top)
             self.pose[i] = towards(self.pose[i], target, self.robot.pose_slew[i])
         return not any(self.speed)
 
     def hold(self, command):
         """Where a standing leg was beyond its reach: a step back, and no further on until another pose is commanded."""
-        self.beyond = any(self.flagged) and any(self.pose)
-        if self.beyond:
+        self.out_of_reach = any(self.flagged) and any(self.pose)
+        if self.out_of_reach:
             self.held = self.held or list(command.pose)
         elif self.held != command.pose:
             self.held = None

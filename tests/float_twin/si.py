@@ -46,7 +46,7 @@ def planner_si(params):
     gains = of.kp_q12 / 4096, of.ki_q16 / 65536 * rate, of.kd_q10 / 1024 / rate
     return Plain(
         rate_hz=rate,
-        sent_ticks=params.sent_ticks,
+        delay_ticks=params.delay_ticks,
         unit_m=unit_m,
         leg_m=params.leg_length * unit_m,
         legs=[leg_si(params, leg) for leg in range(4)],
@@ -56,8 +56,8 @@ def planner_si(params):
         speed_slew=scaled(params.speed_slew, speed_unit),
         pose_max=scaled(params.pose_max, pose_unit),
         pose_slew=scaled(params.pose_slew, pose_unit),
-        joint_step=rad(params.joint_step),
-        joint_top=[rad(top) for top in pack(params.joint_top)],
+        joint_speed_slow=rad(params.joint_speed_slow),
+        joint_speed_max=[rad(top) for top in pack(params.joint_speed_max)],
         coupled=params.coupled,
         sit_z=params.sit_z * unit_m,
         stride=params.stride_max * unit_m,

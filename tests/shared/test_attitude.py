@@ -164,11 +164,11 @@ def test_readings_away_from_1_g_are_rejected_and_change_nothing():
     made, other = aligned()
     for count in range(1, 101):
         assert step(made, other, counts(0, 0, 0, 0, push_g=(0.7, 0, 0.1))) == a.ACCEL_REJECTED
-        assert made.rejected == count
+        assert made.rejected_ticks == count
     assert angles_deg(made) == (0, 0)
     believed = counts(0, 0, 0, 0, push_g=(0.3, 0, 0))
     assert step(made, other, believed) == 0
-    assert made.rejected == 0
+    assert made.rejected_ticks == 0
     for _ in range(60 * 50):
         step(made, other, believed)
     assert angles_deg(made)[1] == pytest.approx(-math.degrees(math.atan(0.3)), abs=0.5)

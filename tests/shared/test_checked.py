@@ -20,7 +20,7 @@ def drive(params, ticks):
 
 def fast(params):
     """Return a block that stands up quickly, so that more of the ticks walk."""
-    params.joint_step = 4000
+    params.joint_speed_slow = 4000
     return params
 
 

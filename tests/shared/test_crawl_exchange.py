@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from shared.crawl import state as at
 from shared.gait.table import MOVER_CRAWL, MOVER_TABLE, MOVER_TROT
 from shared.planner import command as c
-from shared.planner import exchange, handover, movers, planner, retreat, walk_crawl
+from shared.planner import handover, mover_choice, movers, planner, retreat, walk_crawl
 from shared.planner import status as n
 from shared.planner.command import Command
 from shared.record import pack, unpack
@@ -254,7 +254,7 @@ def test_the_crawl_ends_for_the_same_reason_at_any_point(drawn, speed, command, 
     robot.crawl.even.even_steps = even
     wanted = pair.command(block)
     pair.twin.walked = drawn["gait"]
-    assert walk_crawl.gives_way(robot, block) == pair.twin.why_end(wanted, SimpleNamespace(even=even))
+    assert walk_crawl.end_reason(robot, block) == pair.twin.why_end(wanted, SimpleNamespace(even=even))
     assert robot.status.gait == pair.twin.walked
 
 
@@ -278,14 +278,14 @@ def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
         speed, done = back.step(moved * robot.unit_m / 256, standing)
         assert retreat.retreat_step(params, command, moved, standing, state, told) == int(done)
         if doubt.count:
-            back.ends = bool(state.ends)
+            back.stopping = bool(state.stopping)
         assert told.speed.vx * robot.unit_m / 256 == pytest.approx(speed, abs=1.1 * robot.unit_m / 256)
         assert (told.speed.vy, told.speed.wz) == (0, 0)
         assert told.gait == command.gait
         assert pack(told)[5:] == pack(command)[5:]  # pose, balance, height
         if done:
             return
-    assert stuck or not back.ends
+    assert stuck or not back.stopping
 
 
 @repeatable(60)
@@ -305,9 +305,9 @@ def test_goals_go_on_from_the_crawls_and_fade_to_the_trots(values, rate_hz):
 def test_a_decision_that_is_off_by_one_is_seen(spied, monkeypatch):
     """The comparison can fail: a crawl that stays on even ground, follows any command, or never tires of backing."""
     for module, name, wrong in (
-        (exchange, "straight_on", lambda *_: 1),
-        (exchange, "retreat_step", lambda *_: 0),
-        (exchange, "held_up_for_good", lambda *_: 0),
+        (mover_choice, "crawl_can_follow", lambda *_: 1),
+        (mover_choice, "retreat_step", lambda *_: 0),
+        (mover_choice, "held_up_for_good", lambda *_: 0),
     ):
         with monkeypatch.context() as planted:
             planted.setattr(module, name, wrong)
@@ -316,8 +316,3 @@ def test_a_decision_that_is_off_by_one_is_seen(spied, monkeypatch):
     monkeypatch.setattr(walk_crawl, "ground_even", lambda *_: 0)
     with pytest.raises(AssertionError):
         test_the_crawl_ends_for_the_same_reason_at_any_point()
-
-
-def test_only_what_trot_and_crawl_walk_is_exchanged():
-    movers = (MOVER_TABLE, MOVER_TROT, MOVER_CRAWL)
-    assert [handover.exchanges(mover) for mover in movers] == [0, 1, 1]

@@ -9,10 +9,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from host.lab.parity.probe.row import Row
+from host.robot.file import find, read_toml
+from host.robot.model import Robot
+from host.robot.scale import core_params
 from shared.gait.gaits import GAIT_NAMES, GAITS
 from shared.planner import command as c
 from shared.planner import status as n
-from shared.planner.goals import READ_SURE, Past, believe, follow_goals, joints_near
+from shared.planner.goals import READ_SURE, ReadingHistory, believe, follow_goals, joints_near
 from shared.record import pack
 from tests.float_twin import goals as twin
 
@@ -36,7 +39,7 @@ def motors(params, joints):
 
 def tops(params):
     """Return how far each motor turns in a tick, brad."""
-    return pack(params.joint_top) * 4
+    return pack(params.joint_speed_max) * 4
 
 
 def too_fast(params, before, now):
@@ -45,16 +48,28 @@ def too_fast(params, before, now):
     return [joint for joint, (a, b, top) in enumerate(pairs) if abs(a - b) > top]
 
 
+def driven_from_the_body(ratio):
+    """Return Caramelo with its calves' motors on the body, geared so that they are not as fast as the thighs'."""
+    tables = read_toml(find("caramelo"))
+    tables["calf_drive"] = {"motor_on": "body", "ratio": ratio}
+    tables["gait"]["sag_compensation"] = 0.0  # of which a calf so geared would need too much
+    return core_params(Robot.model_validate(tables))
+
+
+DRIVES = {name: block(name) for name in ROBOTS}
+DRIVES |= {f"body, {ratio:g}": driven_from_the_body(ratio) for ratio in (0.4, 0.9, 1.12283, 3.0)}
+
+
 # --- sent
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", DRIVES)
 @repeatable(100)
 @given(st.data())
 def test_goals_follow_as_fast_as_the_motors_turn_and_stay_between(name, data):
-    params, wanted, start = block(name), data.draw(ANGLES), data.draw(ANGLES)
+    params, wanted, start = DRIVES[name], data.draw(ANGLES), data.draw(ANGLES)
     joints = array("i", start)
-    exact = twin.follow(wanted, start, pack(params.joint_top), params.coupled)
+    exact = twin.follow(wanted, start, pack(params.joint_speed_max), params.coupled)
     follow_goals(params, wanted, joints)
     assert list(joints) == exact
     assert too_fast(params, start, joints) == []
@@ -68,13 +83,24 @@ def test_goals_follow_as_fast_as_the_motors_turn_and_stay_between(name, data):
 def test_a_motor_on_the_body_is_what_the_limit_is_for():
     """Thigh forward and calf back as far: its motor stands still, so only the thigh's speed counts."""
     params = block("parallel")
-    top = params.joint_top.thigh
+    top = params.joint_speed_max.thigh
     joints = array("i", [0] * 12)
     follow_goals(params, [0, 9 * top, -9 * top] * 4, joints)
     assert list(joints) == [0, top, -top] * 4
     joints = array("i", [0] * 12)
     follow_goals(params, [0, 9 * top, 9 * top] * 4, joints)
     assert list(joints) == [0, top, 0] * 4
+
+
+@pytest.mark.parametrize("ratio", [0.4, 3.0])
+def test_a_calf_at_its_limit_stays_there_while_the_thigh_moves(ratio):
+    """It would be carried beyond it, by the difference of the two motors' speeds."""
+    params = driven_from_the_body(ratio)
+    _, thigh, calf = pack(params.joint_speed_max)
+    for way in (1, -1):
+        joints = array("i", [0] * 12)
+        follow_goals(params, [0, 20000 * way, 0] * 4, joints)
+        assert list(joints) == [0, min(thigh, calf) * way, 0] * 4
 
 
 def test_near_is_within_a_tick_of_every_joint():
@@ -89,9 +115,9 @@ def test_near_is_within_a_tick_of_every_joint():
 def test_the_joints_speed_is_that_of_the_robot_file():
     """55 rpm at 12 V, through Caramelo's rod for the calf; 10 rad/s of Parallel's boards."""
     caramelo, parallel = block("caramelo"), block("parallel")
-    assert pack(caramelo.joint_top) == [1201, 1201, 1349]
-    assert pack(parallel.joint_top) == [2086, 2086, 2086]
-    assert block("caramelo", 500).joint_top.hip == 120
+    assert pack(caramelo.joint_speed_max) == [1201, 1201, 1349]
+    assert pack(parallel.joint_speed_max) == [2086, 2086, 2086]
+    assert block("caramelo", 500).joint_speed_max.hip == 120
     assert block("caramelo", 500).read_step == 2 * block("caramelo", 50).read_step // 2
 
 
@@ -106,7 +132,7 @@ def sets(readings):
 
 def taken(readings, more=2):
     """Return what is believed and the answer after each set; the ``more`` values behind it are no part of it."""
-    believed, past, found = array("i", [0] * (COUNT + more)), Past(), []
+    believed, past, found = array("i", [0] * (COUNT + more)), ReadingHistory(), []
     for one in readings:
         answer = believe(list(one) + [9] * more, COUNT, STEP, believed, past)
         found.append((answer, list(believed[:COUNT])))
@@ -203,7 +229,7 @@ def wild_senses(walker, dice):
 def lived(name, rate_hz, ticks, seed):
     """Let a planner live with anything; return the states it was in, and (tick, state, motors) that were too fast."""
     walker, dice = Walker(name, rate_hz), random.Random(seed)
-    walker.params.joint_step = walker.params.joint_top.hip // 2  # up fast: more of the time is walked
+    walker.params.joint_speed_slow = walker.params.joint_speed_max.hip // 2  # up fast: more of the time is walked
     walker.stand()
     states, wrong, before = set(), [], list(walker.planner.joints)
     for tick in range(ticks):

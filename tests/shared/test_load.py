@@ -85,7 +85,7 @@ def test_force_is_found_again_from_the_joint_errors_it_makes(name, coupled):
         for j in range(3):
             sent[leg * 3 + j] = round(goal[j] / rad(1))
             measured[leg * 3 + j] = joints[j]
-        for _ in range(params.sent_ticks + 2):
+        for _ in range(params.delay_ticks + 2):
             sensing.sense_legs(params, measured, 0, 0, sensing.MeasuredFeet(), state)
             sensing.keep_sent(state, sent)
         arms = abs(math.sin(rad(joints[2]))) * min(si.l2, si.l3) / (si.l2 + si.l3)

@@ -31,7 +31,7 @@ class Pair:
         self.params = block(name, rate_hz)
         self.unit_m = 1 / (1 << self.params.length_shift)
         self.core, self.sensing, self.sensed = o.Odometry(), Sensing(), Sensed()
-        self.twin = Twin(rate_hz, self.params.leg_length * self.unit_m, self.params.sent_ticks)
+        self.twin = Twin(rate_hz, self.params.leg_length * self.unit_m, self.params.delay_ticks)
 
     def step(self, feet_m, forces=EVEN, swinging=0, turned=None, tilt=(0.0, 0.0), walks=True, rolled=ROLLED_M):
         """One tick of both, the twin's with what the core is told once it is in whole numbers."""
@@ -171,11 +171,11 @@ def test_a_foot_counts_by_the_square_of_what_it_carries_and_not_while_it_swings(
     pair.step(moved, forces, turned=(0, 0, 0))
     assert pair.place_m[0] == pytest.approx(0.004 * 0.04 / (0.04 + 0.16), rel=0.1)
     pair = Pair()
-    for _ in range(pair.params.sent_ticks + 2):
+    for _ in range(pair.params.delay_ticks + 2):
         pair.step(FEET_M, turned=(0, 0, 0))
     for tick in range(20):  # legs 0, 1 are to swing: their feet tell nothing once the goals have had their effect
         pair.step([(x - 0.001 * (tick + 1) * (leg < 2), y) for leg, (x, y) in enumerate(FEET_M)], EVEN, 3, (0, 0, 0))
-    assert pair.place_m[0] == pytest.approx(0.0005 * (pair.params.sent_ticks + 1), abs=1e-5)
+    assert pair.place_m[0] == pytest.approx(0.0005 * (pair.params.delay_ticks + 1), abs=1e-5)
 
 
 def test_a_foot_that_lands_within_a_tick_does_not_count_for_it():
@@ -190,9 +190,9 @@ def test_a_foot_that_lands_within_a_tick_does_not_count_for_it():
 
 @pytest.mark.parametrize(("name", "rate_hz"), [(name, rate_hz) for name in NAMES for rate_hz in (20, 50, 500)])
 def test_what_all_feet_carry_is_of_those_that_may_and_of_one_that_lands_what_it_presses(name, rate_hz):
-    """May: by the plan of now or of sent_ticks + 1 ticks ago. Lands: by that of now alone."""
+    """May: by the plan of now or of delay_ticks + 1 ticks ago. Lands: by that of now alone."""
     pair, dice, plans = Pair(name, rate_hz), random.Random(rate_hz), []
-    late = pair.params.sent_ticks + 1
+    late = pair.params.delay_ticks + 1
     while len(plans) < 2000:
         plans += [dice.randrange(16)] * dice.randint(late + 1, 3 * late)
     for tick, plan in enumerate(plans):
@@ -256,7 +256,7 @@ def test_at_its_ends_it_stays(corner, walks, ahead, aside, near):
     core.heading_sigma_q26 = SUM - near % 4096
     core.heading = (near << 1) - (1 << 25) >> 2
     o.place_body(ahead, aside, 32768, int(walks), core)
-    o.count_way(params, ahead, aside, 131068, core)
+    o.add_distance(params, ahead, aside, 131068, core)
     o.odometry_spread(params, core)
     assert max(abs(value) for value in pack(core)) < 1 << 30
     assert max(abs(value) for value in pack(core.place)) <= FAR

@@ -91,7 +91,7 @@ def test_a_robot_on_its_belly_folds_its_legs_before_it_puts_them_under_it(mode):
     """At its sides first, in the pose of the robot's data, slowly; whatever else is told meanwhile; then it sits."""
     walker = in_state(n.FOLDING)
     walker.mode(mode)
-    lies = [angle for leg in walker.params.legs for angle in leg.lies]
+    lies = [angle for leg in walker.params.legs for angle in leg.folded]
     low, high = limits_of(walker.params)
     assert all(a <= b <= c for a, b, c in zip(low, lies, high, strict=True))
     folded = False
@@ -99,9 +99,9 @@ def test_a_robot_on_its_belly_folds_its_legs_before_it_puts_them_under_it(mode):
         before = list(walker.planner.joints)
         walker.tick()
         off = max(abs(a - b) for a, b in zip(walker.planner.joints, lies, strict=True))
-        folded = folded or off <= walker.params.joint_step
+        folded = folded or off <= walker.params.joint_speed_slow
         steps = [abs(a - b) for a, b in zip(walker.planner.joints, before, strict=True)]
-        assert max(steps) <= walker.params.joint_step + 2
+        assert max(steps) <= walker.params.joint_speed_slow + 2
     assert folded
     assert walker.state == n.SEATED
     seat = walker.params.sit_z
@@ -121,7 +121,7 @@ def test_nobody_sits_down_in_mid_stride():
 
 def slowly(walker, state):
     """Tick until a state is reached, no joint faster than a slow move's; return the joints."""
-    last, slow = list(walker.planner.joints), walker.params.joint_step + STEP_BITS
+    last, slow = list(walker.planner.joints), walker.params.joint_speed_slow + STEP_BITS
     while walker.state != state:
         walker.tick()
         joints = list(walker.planner.joints)
@@ -313,7 +313,7 @@ def drive(walker, ticks, seed):
 @pytest.mark.parametrize("name", ["caramelo", "parallel", "long-leg"])
 def test_any_words_in_command_and_senses_are_survived(name):
     walker = Walker(name)
-    walker.params.joint_step = walker.params.joint_top.hip // 2  # fast, so that more of the time is walked
+    walker.params.joint_speed_slow = walker.params.joint_speed_max.hip // 2  # fast, so that more of the time is walked
     states = drive(walker, 6000, 11)
     assert states >= {n.LIMP, n.RISING, n.STANDING, n.WALKING}
 
@@ -336,8 +336,8 @@ def test_one_tick_of_any_words_in_any_state(told, felt):
 
 def every_block(planner):
     """Return all records and arrays of a planner that a tick may change."""
-    names = "top_speed status clock speed pose last_pose rotation steps move feet hip_feet reached goal joints"
-    names += " leg_flags joints_past tilt_past"
+    names = "top_speed status clock speed pose balanced_pose rotation steps move feet hip_feet reached goal joints"
+    names += " leg_flags joints_history tilt_history"
     balance, sensed = planner.balance, planner.sensed
     inner = [balance.roll, balance.pitch, balance.correction, sensed.valid, sensed.tilt, sensed.joints, sensed.turned]
     return [getattr(planner, name) for name in names.split()] + inner
@@ -365,13 +365,13 @@ def test_balance_without_attitude_is_reported_and_fades():
     walker.sensed.tilt[0] = 600
     for _ in range(50):
         assert walker.tick() & n.NO_ATTITUDE == 0
-    assert walker.planner.last_pose.roll < -100
+    assert walker.planner.balanced_pose.roll < -100
     walker.sensed.valid.tilt = 0
-    before = walker.planner.last_pose.roll
+    before = walker.planner.balanced_pose.roll
     assert walker.tick() & n.NO_ATTITUDE
-    assert 0 < walker.planner.last_pose.roll - before <= walker.params.pose_slew.roll
+    assert 0 < walker.planner.balanced_pose.roll - before <= walker.params.pose_slew.roll
     walker.ticks(200)
-    assert walker.planner.last_pose.roll == 0
+    assert walker.planner.balanced_pose.roll == 0
 
 
 def test_the_body_pose_is_limited_and_slewed():

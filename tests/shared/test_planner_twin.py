@@ -60,10 +60,10 @@ class Pair:
 
     def agree_on_reach(self):
         """Within rounding of the edge of its reach the float planner goes by the core, else they agree."""
-        beyond = bool(self.walker.planner.status.beyond)
-        if beyond != any(self.twin.flagged):
+        out_of_reach = bool(self.walker.planner.status.out_of_reach)
+        if out_of_reach != any(self.twin.flagged):
             assert self.twin.edge_m < 0.1e-3 or self.twin.edge_rad < 1e-3
-            self.twin.flagged = [beyond] * 4
+            self.twin.flagged = [out_of_reach] * 4
 
     def stand(self):
         """Both stand up; a rounded way may make one of them a tick later."""
@@ -146,7 +146,7 @@ def test_a_restless_driver_is_followed_like_the_float_planner():
 def test_standing_up_and_sitting_down_are_the_float_moves():
     pair = Pair("caramelo", 50)
     pair.walker.mode(c.MODE_STAND)
-    lag_rad = 2 * rad(pair.walker.params.joint_step)  # the moves may differ by a tick
+    lag_rad = 2 * rad(pair.walker.params.joint_speed_slow)  # the moves may differ by a tick
     for mode, goal in ((c.MODE_STAND, n.STANDING), (c.MODE_SIT, n.SEATED), (c.MODE_STAND, n.STANDING)):
         pair.walker.mode(mode)
         while pair.walker.state != goal or pair.twin.state != goal:

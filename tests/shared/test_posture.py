@@ -16,7 +16,7 @@ from .robots import block
 def moved(start, goal, step):
     """Return the joints at every tick of a move, the start first."""
     params, move = block("caramelo"), m.Move()
-    params.joint_step = step
+    params.joint_speed_slow = step
     joints = array("i", start)
     ticks = m.posture_start(params, move, joints, array("i", goal))
     found = [list(joints)]

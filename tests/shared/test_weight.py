@@ -8,12 +8,12 @@ from shared.crawl import state as stages
 from shared.gait.table import MOVER_CRAWL, MOVER_TABLE, MOVER_TROT
 from shared.planner import command as c
 from shared.planner import status as n
-from shared.planner.weight import carried, put_down, watch_weight
+from shared.planner.weight import carried_load_q12, stays_lifted, watch_weight
 from shared.record import pack
 
 from .walker import Walker
 
-EVENED_S, TICK_S = 0.2, 0.02
+AVERAGE_S, TICK_S = 0.2, 0.02
 BOUND = 0.03  # of the own weight, for loads of up to 16 of it
 
 
@@ -34,7 +34,7 @@ class Rule:
 
         ``rounded`` is what integers felt: it decides where that is too near to a limit for floats to contradict.
         """
-        share = 1.0 if risen and not self.carries else TICK_S / (EVENED_S + TICK_S)
+        share = 1.0 if risen and not self.carries else TICK_S / (AVERAGE_S + TICK_S)
         self.felt += (carried - self.felt) * share
         assert rounded == pytest.approx(self.felt, abs=BOUND)
         if not self.carries:
@@ -76,11 +76,11 @@ def test_who_is_lifted(seed):
         status.flags = 0
         if dice.random() < 0.01:
             status.state = dice.choice((n.STANDING, n.WALKING))
-        assert put_down(planner, mode) == int(bool(status.flags & n.LIFTED))
+        assert stays_lifted(planner, mode) == int(bool(status.flags & n.LIFTED))
         rule.told(mode)
         planner.odometry.carried_q12 = round(4096 * weight)
         risen, felt = dice.random() < 0.01, status.feet_load_q12
-        planner.sensing.known = walker.params.sent_ticks + 4 if risen else 100
+        planner.sensing.known = walker.params.delay_ticks + 4 if risen else 100
         stands = status.state == n.STANDING
         status.pose_moves = int(dice.random() < 0.003)
         watch_weight(planner)
@@ -109,7 +109,7 @@ def test_a_foot_that_the_crawl_lowers_carries_what_it_presses(mover, stage):
     lowers = mover == MOVER_CRAWL and stage in (stages.HANG, stages.LOWER)
     for force, pressed in ((-16383, 0), (-1, 0), (0, 0), (900, 900), (4096, 4096), (16383, 4096)):
         planner.sensing.force_q12[:] = [7000, 7000, force, 7000]
-        assert carried(planner) == 500 + (pressed if lowers else 0)
+        assert carried_load_q12(planner) == 500 + (pressed if lowers else 0)
 
 
 def loaded(walker, weight):
@@ -140,7 +140,7 @@ def test_felt_and_missed():
         before = list(walker.planner.joints)
         loaded(walker, 0.0)
     gone = [abs(now - then) for now, then in zip(walker.planner.joints, before, strict=True)]
-    assert max(gone) <= walker.params.joint_step  # slowly from its first tick on
+    assert max(gone) <= walker.params.joint_speed_slow  # slowly from its first tick on
     place, goals = pack(walker.planner.odometry.place), None
     for tick in range(200):
         walker.speed(0.2)

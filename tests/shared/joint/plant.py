@@ -9,7 +9,7 @@ from host.robot.file import load_robot
 from host.robot.joint_gains import joint_blocks
 from host.robot.joint_units import Board, JointSetup
 from shared.joint import layout as j
-from shared.joint.bend import straightened
+from shared.joint.bend import corrected_rotor
 from shared.joint.cogging import cogging_step
 from shared.joint.commission_state import Commission
 from shared.joint.current import current_repair, current_step
@@ -110,7 +110,7 @@ class Plant:
         duty, period = self.loop.duty, self.loop.period
         self.acting = [duty[0] / period, duty[1] / period, duty[2] / period]
         self.read_currents()
-        rotor, self.answer = straightened(self.loop, self.answer), self.rotor()
+        rotor, self.answer = corrected_rotor(self.loop, self.answer), self.rotor()
         if self.loop.waves:
             cogging_step(self.loop, rotor)
         code = current_step(rotor, 0, self.loop)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from shared.joint.cogging import cogging_step, hold_waves, put_wave, set_waves
+from shared.joint.cogging import cogging_step, put_wave, set_waves, switch_waves
 from shared.joint.commutation import fill_sine
 from shared.joint.drive_state import drive_arm, drive_disarm, drive_quick_stop
 from shared.joint.layout import WAVES, CurrentLoop
@@ -23,7 +23,7 @@ def looped(waves, most=12288):
     loop.current_most = most
     for at, wave in enumerate(waves):
         put_wave(loop, at, *wave)
-    hold_waves(loop, 1)
+    switch_waves(loop, 1)
     return loop
 
 
@@ -46,7 +46,7 @@ def test_wanted_current_and_waves_together_stay_within_the_limit(waves, rotor, w
 def test_waves_that_are_off_leave_nothing_behind():
     loop = looped([(42, 900, 16384)] * WAVES)
     assert cogging_step(loop, 0) > 100
-    assert hold_waves(loop, 0) == 0
+    assert switch_waves(loop, 0) == 0
     assert (loop.waves, loop.cogging_q) == (0, 0)
 
 

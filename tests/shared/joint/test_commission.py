@@ -13,7 +13,7 @@ from host.robot.joint_units import RATE_PER_RAD_S
 from shared.joint import commission as c
 from shared.joint import commission_state as s
 from shared.joint import faults as f
-from shared.joint.bend import fill_bend, straightened
+from shared.joint.bend import corrected_rotor, fill_bend
 from shared.joint.commutation import fill_sine
 from shared.joint.drive_state import drive_arm, drive_disarm
 from shared.joint.encoder import home_by_encoder
@@ -426,14 +426,14 @@ def test_readings_are_straightened_as_the_harmonics_say(q4, rotor):
     angle = rotor / 16384 * math.tau
     bend = q4[0] * math.cos(angle) + q4[1] * math.sin(angle)
     bend += q4[2] * math.cos(2 * angle) + q4[3] * math.sin(2 * angle)
-    away = (straightened(loop, rotor) - rotor - bend / 16 + 8192) % 16384 - 8192
+    away = (corrected_rotor(loop, rotor) - rotor - bend / 16 + 8192) % 16384 - 8192
     lines = 0.005 * math.hypot(q4[0], q4[1]) / 16 + 0.02 * math.hypot(q4[2], q4[3]) / 16
     assert abs(away) <= 2 + lines
 
 
 def test_an_unbent_reading_stays_as_it_is():
     loop = CurrentLoop()
-    assert [straightened(loop, rotor) for rotor in range(0, 16384, 97)] == list(range(0, 16384, 97))
+    assert [corrected_rotor(loop, rotor) for rotor in range(0, 16384, 97)] == list(range(0, 16384, 97))
 
 
 def test_sums_alternate_with_the_voltage_and_stay_small():

@@ -35,12 +35,12 @@ def looked(part, orders, wave_in_table=0, settled=0):
     p = Plant()
     c = p.commission
     c.phase, c.creep_part, c.creep_settled, c.pole_pairs, c.direction = s.PHASE_WAVES, part, settled, 7, 1
-    c.way, c.fold, c.order, c.order_last = 32000, 1, orders[0], orders[0]
+    c.way, c.table_repeats, c.order, c.order_last = 32000, 1, orders[0], orders[0]
     for wave, order in enumerate(orders[-3:]):
         c.wave_order[wave], c.wave_current[wave], c.ripple[wave] = order, 160, 50
-    for place in range(s.COGS):
-        c.cogging[place] = round(math.cos((place + 0.5) * wave_in_table / s.COGS * math.tau) * (1 << 20))
-    for _ in range(3 * s.COGS):
+    for place in range(s.COGGING_BINS):
+        c.cogging_bins[place] = round(math.cos((place + 0.5) * wave_in_table / s.COGGING_BINS * math.tau) * (1 << 20))
+    for _ in range(3 * s.COGGING_BINS):
         if creep_step(p.loop, p.settings, p.state, p.io, c) or c.phase != s.PHASE_WAVES or c.creep_part != part:
             break
     return p.commission
@@ -57,7 +57,7 @@ def test_a_dropped_first_wave_leaves_no_ripple_and_drops_no_other():
 def test_a_wave_that_shakes_less_than_its_current_would_is_not_there(there, quiet):
     """42 is the first of three waves of the same current; without them the rotor's speed has one ripple."""
     c = looked(2, (42, 60, 84), there, settled=1)
-    assert (c.creep_part, c.useless) == (3, quiet)
+    assert (c.creep_part, c.rejected_waves) == (3, quiet)
 
 
 @pytest.mark.parametrize(("order", "taken"), [(39, False), (37, True)])

@@ -80,7 +80,7 @@ class FloatTrot:
         self.lift, self.apex, self.ascent_lag = self.low, [self.low] * 4, [0.0] * 4
         self.held_up, self.shortened, self.peak_lag, self.usual_lag = [False] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
         self.rises_first = [False] * 4
-        self.known, self.measured, self.before, self.free = 0, None, None, None
+        self.known, self.measured, self.before, self.expected = 0, None, None, None
         self.residual = [[0.0, 0.0] for _ in range(4)]
         self.past = deque(maxlen=16)  # (feet, stands) of the ticks before
         self.joints, self.slope, self.uneven = None, [0.0, 0.0], 0.0
@@ -121,21 +121,21 @@ class FloatTrot:
 
     # --- what is felt
 
-    def feel(self, senses):
+    def estimate(self, senses):
         if not senses.known:
             self.known, self.measured_speed = 0, list(self.foot_speed)
             return
         feet = [self.forward(leg, senses.joints[3 * leg : 3 * leg + 3]) for leg in range(4)]
         if self.known:
-            self.see_speed(feet, [limit(rate * self.dt, TURN_MAX) / self.dt for rate in senses.rates])
+            self.estimate_speed(feet, [limit(rate * self.dt, TURN_MAX) / self.dt for rate in senses.rates])
         self.before, self.measured = self.measured or feet, feet
         if self.known > self.delay:
-            self.see_residual(feet)
+            self.update_residual(feet)
         elif self.known == self.delay:
-            self.free = [[foot[0], foot[2]] for foot in self.past[-self.delay][0]]
+            self.expected = [[foot[0], foot[2]] for foot in self.past[-self.delay][0]]
         self.known = min(100, self.known + 1)
 
-    def see_speed(self, feet, rates):
+    def estimate_speed(self, feet, rates):
         gx, gy, gz = rates
         long_ago = self.past[-self.delay - 1][1] if len(self.past) > self.delay else [0] * 4
         speeds = []
@@ -149,15 +149,15 @@ class FloatTrot:
                 mean = sum(speed[i] for speed in speeds) / len(speeds)
                 self.measured_speed[i] += share * (mean - self.measured_speed[i])
 
-    def see_residual(self, feet):
-        share = self.dt / (self.dt + tuning.FREE_LAG_SHARE * self.f.lag_s)
+    def update_residual(self, feet):
+        share = self.dt / (self.dt + tuning.UNHINDERED_LAG_SHARE * self.f.lag_s)
         wanted = self.past[-self.delay][0]
         for leg in range(4):
             for i, axis in enumerate((0, 2)):
-                self.free[leg][i] += share * (wanted[leg][axis] - self.free[leg][i])
-                self.residual[leg][i] = feet[leg][axis] - self.free[leg][i]
+                self.expected[leg][i] += share * (wanted[leg][axis] - self.expected[leg][i])
+                self.residual[leg][i] = feet[leg][axis] - self.expected[leg][i]
 
-    def feel_slope(self):
+    def update_slope(self):
         """Follow the slope of the measured feet that stand: a step of normalized least mean squares."""
         x, y = self.tilt
         feet = [(*foot[:2], foot[2] + foot[1] * x - foot[0] * y) for foot in self.measured]
@@ -211,7 +211,7 @@ class FloatTrot:
             self.stance_speed, self.drift = [0.0, 0.0], [0.0, 0.0]
         self.turn = limit(turn, TURN_MAX / self.dt)
 
-    def lean(self, tilt, rates, pose, balance):
+    def level_body(self, tilt, rates, pose, balance):
         """Write the tilt to come, the turns that level the body or follow its pose; follow that along the ground."""
         ahead_s = self.robot.bus.delay_s + self.dt / 2
         self.then = [tilt[i] + limit(rates[i], TURN_MAX / self.dt) * ahead_s for i in range(2)]
@@ -225,7 +225,7 @@ class FloatTrot:
         self.rise_speed = (pose[2] - self.last_pose[2]) / self.dt
         self.last_pose = list(pose)
 
-    def lift_on(self):
+    def choose_lift(self):
         self.lift = self.low
         if self.high_left:
             self.lift = self.high
@@ -250,7 +250,7 @@ class FloatTrot:
             part = (self.phase + 0.5 * LATER[leg]) % 1.0 - tuning.STANCE_SHARE
             if part < 0:
                 self.stance[leg] = 1
-                self.land(leg, part + tuning.STANCE_SHARE)
+                self.check_landing(leg, part + tuning.STANCE_SHARE)
                 continue
             self.u = part / (1 - tuning.STANCE_SHARE)
             if self.early_contact[leg] == 0:
@@ -309,7 +309,7 @@ class FloatTrot:
             gone, mate_gone = -gone, -mate_gone
         return gone > abs(self.foot_speed[0]) * self.dt or (mate_gone <= 0 and self.u > 0.4)
 
-    def land(self, leg, stood):
+    def check_landing(self, leg, stood):
         """Look at a foot that stands by plan for a share of a cycle: where it climbs, did it land too high?"""
         high = self.known > self.delay and self.residual[leg][1] > 51 / 1024 * self.leg_m
         if stood > tuning.LANDING_SHARE + self.delay * self.dt / self.f.cycle_s:
@@ -344,7 +344,7 @@ class FloatTrot:
     def swing_feet(self, pose):
         u = self.u
         along, down, up = way(min(1.0, u / tuning.AHEAD_SHARE)), way(u), (1 - math.cos(2 * math.pi * u)) / 2
-        rising = min(1.0, max(0.0, (u - tuning.FREE_FROM) / (tuning.FREE_TO - tuning.FREE_FROM)))
+        rising = min(1.0, max(0.0, (u - tuning.AHEAD_FROM) / (tuning.AHEAD_TO - tuning.AHEAD_FROM)))
         for leg in range(4):
             if self.stance[leg] == 0:
                 rest = self.f.rests_m[leg][0] - pose[0], self.f.rests_m[leg][1] - pose[1]
@@ -369,12 +369,12 @@ class FloatTrot:
     def tick(self, senses, speed, pose=(0.0,) * 6, moving=True, balance=True):
         """Return twelve goals. speed: m/s, m/s, rad/s, slewed; pose: m, rad, slewed."""
         self.tilt = senses.tilt
-        self.feel(senses)
+        self.estimate(senses)
         self.steer(speed, senses.rates, pose, moving, senses.went)
-        self.lean(senses.tilt, senses.rates, pose, balance)
+        self.level_body(senses.tilt, senses.rates, pose, balance)
         if self.known:
-            self.feel_slope()
-        self.lift_on()
+            self.update_slope()
+        self.choose_lift()
         self.moving = moving
         self.go_on(moving)
         self.stand_feet(pose)
@@ -400,17 +400,17 @@ class FloatTrot:
             if self.early_contact[leg] == 2:
                 self.early_contact[leg], led = 1, 0.0
             elif self.stance[leg] and not self.high_left:
-                slides = self.slide(steps, give)
+                slides = self.compensate_friction(steps, give)
             for i, q in enumerate(joints):
                 low, high = self.robot.joint_limits_rad(leg)[i]
                 goals.append(max(low, min(high, q + give[i] + slides[i] + led * limit(steps[i], self.fastest[i]))))
         return goals
 
-    def slide(self, steps, give):
+    def compensate_friction(self, steps, give):
         """Return what is led of the friction of a leg's joints, which their motors feel."""
         (hip, thigh, calf), (_, thigh_give, calf_give), coupled = steps, give, self.robot.calf_drive.coupled
         steps, give = (hip, thigh, calf + coupled * thigh), (give[0], thigh_give, calf_give + coupled * thigh_give)
-        slow = tuning.SLIDES_SHARE * self.fastest[0]
+        slow = tuning.FRICTION_SHARE * self.fastest[0]
         led = [limit(step / slow, 1.0) * (dry + self.of_sag * abs(given))
                for step, given, dry in zip(steps, give, self.friction, strict=True)]
         return led[0], led[1], led[2] - coupled * led[1]

@@ -10,7 +10,7 @@ from shared.sense.legs import MeasuredFeet
 from shared.sense.odometry import Odometry
 from shared.trot.clock import go_on
 from shared.trot.ground import climbs, rise_q20
-from shared.trot.react import EARLY, EARLY_NOW, count_held_up, count_in_row, lift_on, swing_apex
+from shared.trot.react import EARLY, EARLY_NOW, choose_lift, count_held_up, count_in_row, swing_apex
 from shared.trot.state import CYCLE_Q20, Trot
 from shared.trot.trot import trot_start
 
@@ -20,7 +20,7 @@ from .test_twin import UNEVEN_Q4, Pair
 @pytest.fixture
 def pair():
     one = Pair("caramelo", 50)
-    one.walk.state.high_left = one.params.trot.high_way
+    one.walk.state.high_left = one.params.trot.high_distance
     return one
 
 
@@ -46,11 +46,11 @@ def test_swings_stay_high_while_it_climbs_and_no_longer(pair):
     state, setup = pair.walk.state, pair.params.trot
     state.slope_q20.x, state.uneven_q4 = 1 << 18, UNEVEN_Q4
     for _ in range(1000):
-        lift_on(pair.params, pair.walk)
-    assert state.high_left == setup.high_way
+        choose_lift(pair.params, pair.walk)
+    assert state.high_left == setup.high_distance
     state.slope_q20.x = 0
-    for _ in range(setup.high_way // setup.high_slowest + 2):
-        lift_on(pair.params, pair.walk)
+    for _ in range(setup.high_distance // setup.high_slowest + 2):
+        choose_lift(pair.params, pair.walk)
     assert state.high_left == 0
     assert state.lift == setup.low_lift
 
@@ -59,7 +59,7 @@ def test_swings_stay_high_while_it_climbs_and_no_longer(pair):
 @pytest.mark.parametrize("high", [0, 1])
 def test_the_next_swing_is_highest_after_one_that_was_held_up_while_swings_are_high(pair, held, high):
     state, setup, walk = pair.walk.state, pair.params.trot, pair.walk
-    state.lift, state.high_left, walk.held_up[1] = setup.high_lift, high * setup.high_way, held
+    state.lift, state.high_left, walk.held_up[1] = setup.high_lift, high * setup.high_distance, held
     assert swing_apex(pair.params, walk, 1) == (setup.highest_lift if held and high else setup.high_lift)
 
 
@@ -100,7 +100,7 @@ def test_a_foot_that_landed_on_higher_ground_takes_it_as_it_is(pair, high, slope
     landed.z += round(high * pair.params.leg_length)
     walk.residual_z[1], walk.early_contact[1] = round(high * pair.params.leg_length), met_before
     before, after_landing = [pack(foot) for foot in walk.feet.legs], stood > 1
-    walk.wish.moving = 1
+    walk.command.moving = 1
     state.phase_q20 = (CYCLE_Q20 >> 1) + round(stood * setup.landing_q20) - setup.phase_step_q20
     go_on(pair.params, walk, 0)
     changed = [pack(foot) != was for foot, was in zip(walk.feet.legs, before, strict=True)]
@@ -116,7 +116,7 @@ def test_the_time_in_which_a_landing_is_told_is_an_eighth_of_a_cycle_after_the_b
         robot = robot.model_copy(update={"bus": robot.bus.model_copy(update={"delay_s": delay_s})})
         params = core_params(robot, 100)
         told = params.trot.landing_q20 / 2**20 * tuning.trot_figures(robot).cycle_s
-        assert told == pytest.approx(pair.twin.f.cycle_s / 8 + params.sent_ticks / 100, abs=0.001)
+        assert told == pytest.approx(pair.twin.f.cycle_s / 8 + params.delay_ticks / 100, abs=0.001)
 
 
 @pytest.mark.parametrize("pushed", [0, 2])
@@ -129,7 +129,7 @@ def test_a_foot_swings_again_after_it_met_something_however_late_the_bus_is(rate
     step = params.trot.phase_step_q20
     for first in range(0, step, step // 20):
         trot_start(params, walk)
-        walk.wish.moving, walk.early_contact[:], swung = 1, [EARLY, 0, 0, EARLY], 0
+        walk.command.moving, walk.early_contact[:], swung = 1, [EARLY, 0, 0, EARLY], 0
         walk.state.phase_q20, walk.state.pushed = first, pushed
         for _ in range(CYCLE_Q20 // step):
             go_on(params, walk, 0)

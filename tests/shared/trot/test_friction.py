@@ -13,8 +13,8 @@ from shared.body.params import LF_BITS
 from shared.record import unpack
 from shared.sense.legs import MeasuredFeet
 from shared.sense.odometry import Odometry
-from shared.trot.lead import lead, slide
-from shared.trot.react import EARLY_NOW, may_be_late, see_held_up
+from shared.trot.feedforward import compensate_friction, feed_forward
+from shared.trot.react import EARLY_NOW, detect_held_up, may_be_late
 from shared.trot.state import Trot
 from shared.trot.trot import trot_start
 
@@ -76,8 +76,8 @@ def test_what_is_led_is_as_the_floats_say(name, rate_hz):
             walk.joints_before[6 + i] = walk.joints[6 + i] - steps[i]
             goal[6 + i] = walk.joints[6 + i] + give[i]
         asked = list(goal)
-        slide(params, walk, leg, goal)
-        exact = twin.slide([step / BRAD_PER_RAD for step in steps], [sag / BRAD_PER_RAD for sag in give])
+        compensate_friction(params, walk, leg, goal)
+        exact = twin.compensate_friction([step / BRAD_PER_RAD for step in steps], [sag / BRAD_PER_RAD for sag in give])
         for i in range(3):
             assert goal[6 + i] - asked[6 + i] == pytest.approx(exact[i] * BRAD_PER_RAD, abs=3, rel=0.03)
         assert goal[:6] == asked[:6]
@@ -88,17 +88,17 @@ def test_only_legs_that_stand_and_move_are_led_and_none_once_something_was_met()
     twin, params, walk = stood("caramelo")
     dry = twin.friction[1] * BRAD_PER_RAD
     rest, goal = list(walk.joints), [0] * 12
-    lead(params, walk, goal)
+    feed_forward(params, walk, goal)
     assert goal == rest
     for leg, (stands, met, share) in enumerate(((1, 0, 1.0), (0, 0, 0.5), (1, EARLY_NOW, 0.0), (1, 0, 1.0))):
         walk.stance[leg], walk.early_contact[leg] = stands, met
         walk.joints_before[3 * leg + 1] = rest[3 * leg + 1] - 400
-        lead(params, walk, goal)
+        feed_forward(params, walk, goal)
         lag = share * 400 * params.trot.lag_q8 / 256
         friction = dry if stands and met == 0 else 0.0
         assert goal[3 * leg + 1] - rest[3 * leg + 1] == pytest.approx(lag + friction, abs=2)
     walk.state.high_left = 1
-    lead(params, walk, goal)
+    feed_forward(params, walk, goal)
     assert goal[10] - rest[10] == pytest.approx(400 * params.trot.lag_q8 / 256, abs=2)
 
 
@@ -137,7 +137,7 @@ def test_a_foot_is_held_up_when_it_pushes_with_0_285_of_the_weight(name, pushes,
         unpack(walk.before, [0] * 12)
         unpack(walk.measured, [100] * 12)
         walk.residual_x[leg] = -round(gives_m * (1 << params.length_shift))
-        see_held_up(params, walk, leg)
+        detect_held_up(params, walk, leg)
         assert walk.held_up[leg] == held
 
 

@@ -80,7 +80,7 @@ def test_a_gait_of_a_table_takes_over_once_it_stands():
     for _ in range(8 * 50):
         walker.tick()
         step = max(abs(a - b) for a, b in zip(walker.planner.joints, before, strict=True))
-        assert step <= max(pack(walker.params.joint_top))
+        assert step <= max(pack(walker.params.joint_speed_max))
         before = list(walker.planner.joints)
     assert walker.planner.status.mover != MOVER_TROT
     assert walker.state == n.WALKING

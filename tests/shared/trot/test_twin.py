@@ -72,7 +72,7 @@ class Pair:
         speed_si = scale.metres_per_second(told[0]), scale.metres_per_second(told[1]), told[2] * self.rate_hz / 2**18
         pose_si = [scale.metres(p) for p in pose[:3]] + [p / BRAD_PER_RAD for p in pose[3:]]
         goals = self.twin.tick(senses, speed_si, pose_si, moving, balance)
-        self.walk.wish.moving, self.walk.wish.balance = int(moving), int(balance)
+        self.walk.command.moving, self.walk.command.balance = int(moving), int(balance)
         sense_legs(self.params, sensed.joints, 0, 0, self.feet, self.sensing)
         trot_tick(self.params, self.walk, sensed, unpack(Twist(), told), unpack(Pose(), pose), self.goal)
         self.plant.sent.append(goals)
@@ -160,7 +160,7 @@ def test_a_foot_that_was_held_up_rises_before_it_goes_ahead():
     """Over all shares of a swing within 4 LSB of the float; the foot itself goes back first, ahead once it is high."""
     pair = Pair("caramelo", 50)
     for share in range(32768):
-        part = min(1.0, max(0.0, (share / 32768 - tuning.FREE_FROM) / (tuning.FREE_TO - tuning.FREE_FROM)))
+        part = min(1.0, max(0.0, (share / 32768 - tuning.AHEAD_FROM) / (tuning.AHEAD_TO - tuning.AHEAD_FROM)))
         assert free_way_q15(pair.params, share) == pytest.approx(32768 * way(part), abs=4)
     walk, way_m = pair.walk, []
     for _ in pair.walk_with_a_held_foot():
@@ -217,7 +217,7 @@ def test_high_swings_go_on_faster_where_the_drives_can_follow(name, hurries):
         state, setup = pair.walk.state, pair.params.trot
         for n in range(first + 20):
             if n == first - 5:
-                state.high_left, pair.twin.high_left = setup.high_way, tuning.HIGH_LENGTHS * pair.twin.f.length_m
+                state.high_left, pair.twin.high_left = setup.high_distance, tuning.HIGH_LENGTHS * pair.twin.f.length_m
             before, turned = state.phase_q20, (0, 12000, 0) if n >= first else (0, 0, 0)
             pair.tick((0.1, 0.0, 0.0), (0, 0), turned, moving=n > 25)
             paces.append(state.phase_q20 - before & CYCLE_Q20 - 1)
@@ -263,6 +263,6 @@ def test_what_a_standing_foot_is_spared_is_as_the_floats_say(name, rate_hz):
     for off in (*range(-40000, 40000, 37), most, most + 1, 32767 + most):
         walk.residual_z[0], walk.state.known = off, 100
         exact = min(32767, max(0, off - most)) * share * 256
-        assert spare(params, walk, 0) == pytest.approx(exact, abs=1 + exact * 0.5 / params.trot.raise_q16)
-        walk.state.known = params.sent_ticks
+        assert spare(params, walk, 0) == pytest.approx(exact, abs=1 + exact * 0.5 / params.trot.height_kp_q16)
+        walk.state.known = params.delay_ticks
         assert spare(params, walk, 0) == 0

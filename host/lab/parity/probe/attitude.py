@@ -62,12 +62,12 @@ def _any_gravity(values, dice):
     BLOCK.gathered = BLOCK.align_ticks
     for axis in range(3):
         BLOCK.gravity[axis] = Q22.any(dice)
-        BLOCK.still = dice.below(BLOCK.align_ticks + 1)
+        BLOCK.rest_ticks = dice.below(BLOCK.align_ticks + 1)
         BLOCK.bias[axis] = dice.bits(30) - (1 << 29)
     _read(values, dice)
     if dice.bits(1):
         for axis in range(6):
-            BLOCK.steady[axis] = COUNTS[axis]
+            BLOCK.rest_reading[axis] = COUNTS[axis]
 
 
 def _of_a_vector(values, dice):
@@ -83,12 +83,12 @@ PROBES = (
     _probe(attitude, "attitude_step", (BLOCK, COUNTS), fit=_run, vectors=4),
     _probe(attitude, "align", (BLOCK, COUNTS), fit=_run_aligning),
     Probe(attitude, "size_of", (INT16, INT16, INT16)),
-    Probe(attitude, "believed", (BLOCK, Range(0, 56756)), begin=_begin),
+    Probe(attitude, "near_one_g", (BLOCK, Range(0, 56756)), begin=_begin),
     _probe(attitude, "rate_q18", (BLOCK, INT16, Range(0, 2)), watch=()),
     _probe(attitude, "turn", (BLOCK, COUNTS)),
     Probe(attitude, "cross", (Q22, Q22, RATE, RATE), fit=_of_a_vector),
     _probe(attitude, "pull", (BLOCK, COUNTS)),
-    _probe(attitude, "rests", (BLOCK, COUNTS)),
+    _probe(attitude, "count_rest", (BLOCK, COUNTS)),
     _probe(attitude, "pull_axis", (BLOCK, Range(0, 2), Q14, SHARE)),
     _probe(attitude, "learn_bias", (BLOCK, Q14, Q14, Q14)),
     _probe(attitude, "learn_axis", (BLOCK, Range(0, 2), Q28)),

@@ -42,7 +42,7 @@ def _begin():
 
 
 PROBES = (
-    Probe(command, "repeat_command", (COMMAND, TOLD), watch=(TOLD,)),
+    Probe(command, "copy_command", (COMMAND, TOLD), watch=(TOLD,)),
     Probe(command, "slew", (HALF30, HALF30, Range(0, (1 << 29) - 1))),
     Probe(command, "slew_speed_axis", (SPEED22, INT30, MOST22, AXIS, MOST22)),
     Probe(command, "slew_speed", (ROBOT, TABLE, COMMAND, AXIS, SPEED), watch=(SPEED,), fit=_use_gait, begin=_begin),

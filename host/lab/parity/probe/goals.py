@@ -1,7 +1,7 @@
 """shared/planner/goals.py: any goals and any way to them; sets of readings, near each other and anywhere."""
 
 from shared.planner import goals
-from shared.planner.goals import Past
+from shared.planner.goals import ReadingHistory
 from shared.runtime import zeros
 
 from .draw import BRAD, INT30, LEG, Range
@@ -16,7 +16,7 @@ JOINTS = Block(zeros(12), (12, BRAD))
 READINGS = Block(zeros(12), (12, BRAD))
 SET = Block(zeros(COUNT), (COUNT, INT30))
 BELIEVED = zeros(COUNT)
-PAST = Past()
+PAST = ReadingHistory()
 
 
 def _near_or_not(values, dice):
@@ -25,7 +25,7 @@ def _near_or_not(values, dice):
     again = dice.bits(2)
     for place in range(COUNT):
         if again == 0:
-            readings[place] = PAST.odd[place]
+            readings[place] = PAST.last_odd[place]
         elif dice.bits(3):
             readings[place] = BELIEVED[place] + dice.below(step + 1) - (step >> 1)
 
@@ -59,5 +59,5 @@ PROBES = (
     Probe(goals, "follow_leg", (ROBOT, WANTED, JOINTS, LEG), watch=(JOINTS.array,), fit=_one_leg),
     Probe(goals, "joints_near", (ROBOT, READINGS, JOINTS), fit=_joints_close),
     _taking(goals, "believe", (SET, COUNT, STEP, BELIEVED, PAST), fit=_near_or_not),
-    _taking(goals, "believe_again", (SET, COUNT, STEP, BELIEVED, PAST), fit=_known),
+    _taking(goals, "believe_repeated", (SET, COUNT, STEP, BELIEVED, PAST), fit=_known),
 )

@@ -241,7 +241,7 @@ def swung(dice):
     COMMISSION.square_middle = dice.bits(18)
     COMMISSION.square_way = dice.bits(20)
     COMMISSION.inertia = 1000 + dice.bits(14)
-    COMMISSION.away = dice.bits(12) - (1 << 11)
+    COMMISSION.swing_position = dice.bits(12) - (1 << 11)
     outer.keep_outer(SETTINGS, COMMISSION)
 
 
@@ -260,17 +260,17 @@ def crept(dice):
     COMMISSION.moved_last = dice.bits(6) - 32
     COMMISSION.moved_before = dice.bits(6) - 32
     COMMISSION.current_last = dice.bits(17) - (1 << 16)
-    COMMISSION.place_last = dice.bits(9)
+    COMMISSION.bin_last = dice.bits(9)
     COMMISSION.wave = dice.below(3)
-    COMMISSION.useless = dice.bits(3)
+    COMMISSION.rejected_waves = dice.bits(3)
     COMMISSION.order = 2 + dice.bits(7)
-    COMMISSION.fold = 1 + dice.bits(6)
+    COMMISSION.table_repeats = 1 + dice.bits(6)
     COMMISSION.order_last = COMMISSION.order + dice.bits(5)
-    COMMISSION.place = dice.below(4) << 7
+    COMMISSION.bin_next = dice.below(4) << 7
     COMMISSION.cosine_sum = dice.bits(24) - (1 << 23)
     COMMISSION.sine_sum = dice.bits(24) - (1 << 23)
-    for place in range(state.COGS):
-        COMMISSION.cogging[place] = dice.bits(24) - (1 << 23)
+    for place in range(state.COGGING_BINS):
+        COMMISSION.cogging_bins[place] = dice.bits(24) - (1 << 23)
     waved(dice)
 
 
@@ -371,7 +371,7 @@ PROBES = (
     _probe(current, "turn_voltage", (LOOP,)),
     _probe(current, "limit_voltage", (LOOP,)),
     _probe(current, "current_reset", (LOOP, ROTOR)),
-    _probe(current, "current_relax", (LOOP,)),
+    _probe(current, "current_clear", (LOOP,)),
     _probe(current, "set_offsets", (LOOP, OFFSET, OFFSET, OFFSET)),
     _probe(current, "current_sum", (LOOP,)),
     _probe(current, "set_loop", (LOOP, LOOP_SETTINGS), fit=_tuned),
@@ -421,7 +421,7 @@ PROBES = (
     _probe(drive_state, "drive_clear", (STATE,)),
     _probe(drive_state, "drive_step", (SETTINGS, STATE, IO), vectors=2),
     _probe(current, "keep_gains", (LOOP, LOOP_SETTINGS), fit=_tuned),
-    _probe(bend, "straightened", (LOOP, ROTOR)),
+    _probe(bend, "corrected_rotor", (LOOP, ROTOR)),
     _probe(bend, "fill_bend", (LOOP, HARMONIC, HARMONIC, HARMONIC, HARMONIC)),
     _probe(bend, "set_bend", (LOOP, SETTINGS)),
     _probe(commutation, "commutate", (LOOP, Range(1, 50), SIGN, Range(-(1 << 20), 1 << 20))),
@@ -431,8 +431,8 @@ PROBES = (
     _probe(commission, "commission_step", (LOOP, SETTINGS, STATE, IO, COMMISSION), fit=_commissioning, vectors=2),
     _probe(findings, "write_findings", (LOOP, SETTINGS, STATE, COMMISSION), fit=_in_phases(18, 18)),
     _probe(findings, "set_zeros", (SETTINGS, COMMISSION), fit=_posed),
-    _probe(state, "refuse", (COMMISSION, Range(64, 90), Range(-(1 << 23), (1 << 23) - 1))),
-    _probe(state, "go_on", (COMMISSION, Range(0, 18))),
+    _probe(state, "fail", (COMMISSION, Range(64, 90), Range(-(1 << 23), (1 << 23) - 1))),
+    _probe(state, "begin_phase", (COMMISSION, Range(0, 18))),
     _probe(winding, "winding_inductance", (Range(1, 1 << 22), Range(1, 1 << 20), Range(0, 1 << 18))),
     _probe(probe, "probe_begin", (LOOP, SIGN)),
     _probe(probe, "probe_step", (LOOP,), fit=_probing),
@@ -478,7 +478,7 @@ PROBES = (
     _probe(cogging, "put_wave", (LOOP, Range(0, 2), Range(0, 511), Range(0, 40000), Range(-32768, 65535))),
     _probe(cogging, "try_wave", (LOOP, COMMISSION, Range(0, 2)), fit=_in_phases(14, 16)),
     _probe(cogging, "drop_wave", (LOOP, COMMISSION, Range(0, 2)), fit=_in_phases(14, 16)),
-    _probe(cogging, "hold_waves", (LOOP, Range(0, 1))),
+    _probe(cogging, "switch_waves", (LOOP, Range(0, 1))),
     _probe(outer, "set_outer_gains", (SETTINGS, Range(0, 1 << 18), Range(0, 20588))),
     _probe(outer, "keep_outer", (SETTINGS, COMMISSION)),
     _probe(outer, "restore_outer", (SETTINGS, COMMISSION)),

@@ -9,12 +9,11 @@ from shared.crawl.crawl import crawl_start
 from shared.crawl.state import STILL
 from shared.gait.gaits import GAIT_NAMES, GAITS
 from shared.gait.table import MOVER_CRAWL, MOVER_TABLE
-from shared.planner import exchange, movers, planner, walk_crawl, walk_table, walk_trot, weight
+from shared.planner import follow, mover_choice, movers, planner, walk_crawl, walk_table, walk_trot, weight
 from shared.planner import pose as planner_pose
 from shared.planner import senses as planner_senses
 from shared.planner import states as planner_states
 from shared.planner import status as n
-from shared.planner import steps as planner_steps
 from shared.planner.command import MODE_STAND, MODE_WALK, Command
 from shared.planner.planner import Planner
 from shared.runtime import zeros
@@ -54,18 +53,18 @@ USUAL = 200  # vectors of a function, for which a walk has all its ticks
 def restart(robot: Planner):
     """Bring a planner back to its first tick: limp, nothing known."""
     trot = robot.trot
-    own = (robot.reached, robot.hip_feet, robot.margin_feet, robot.weights, robot.joints_past, robot.tilt_past)
+    own = (robot.reached, robot.hip_feet, robot.margin_feet, robot.weights, robot.joints_history, robot.tilt_history)
     own += (robot.sensed.valid, robot.sensed.tilt, robot.sensed.joints, robot.sensed.turned)
     own += (trot.state, trot.measured, trot.before, trot.residual_x, trot.residual_z, trot.joints)
-    own += (trot.free_x_q4, trot.free_z_q4, trot.past_x, trot.past_z)
-    own += (trot.early_contact, trot.stance, trot.load_q12, trot.feet, trot.wish)
+    own += (trot.expected_x_q4, trot.expected_z_q4, trot.past_x, trot.past_z)
+    own += (trot.early_contact, trot.stance, trot.load_q12, trot.feet, trot.command)
     own += (trot.lift_offs, trot.ascent_lag, trot.apex, trot.joints_before, trot.past_stance, trot.hip_feet)
     for block in (robot.status, robot.clock, robot.joints, robot.move, robot.leg_flags, robot.goal) + own:
         clear(block)
     robot.gait = robot.gaits[0]
     balance_setup(robot.params, robot.balance)
     robot.status.gaits = len(robot.gaits)
-    planner_states.settle(robot)
+    planner_states.reset_motion(robot)
 
 
 def _restart_all():
@@ -129,7 +128,7 @@ def _live_about_to_lift(values, dice):
     status.carries_weight = dice.below(3)
     status.feet_load_q12 = dice.bits(11) if dice.bits(2) else dice.bits(17) - 65536
     status.pose_moves = 0 if dice.bits(2) else 1
-    robot.sensing.known = robot.params.sent_ticks + 4 - dice.bits(1)
+    robot.sensing.known = robot.params.delay_ticks + 4 - dice.bits(1)
     status.lifted = dice.bits(1)
 
 
@@ -137,9 +136,9 @@ def answer(robot: Planner, joints):
     """Write the joints, 12 brad, as they answer the goals of a while ago: legs that stand give under the weight."""
     params: Params = robot.params
     sensing = robot.sensing
-    sent = (sensing.sent_at - params.sent_ticks & 15) * 12
+    sent = (sensing.sent_at - params.delay_ticks & 15) * 12
     for joint in range(12):
-        joints[joint] = sensing.sent[sent + joint] if sensing.known > params.sent_ticks else robot.joints[joint]
+        joints[joint] = sensing.sent[sent + joint] if sensing.known > params.delay_ticks else robot.joints[joint]
         ANSWERED[joint] = joints[joint]
     legs_forward(params, ANSWERED, WAVES, HIP_FEET)
     stand = sum([1 - (robot.status.swinging >> leg & 1) for leg in range(4)])
@@ -227,6 +226,7 @@ RETREATS = (ROBOTS[0].backing_command, ROBOTS[0].retreat, ROBOTS[1].backing_comm
 TROTS = STATE + (ROBOTS[0].trot.state, ROBOTS[0].trot.feet, ROBOTS[1].trot.state, ROBOTS[1].trot.feet)
 
 
+BALANCED = tuple([robot.balanced_pose for robot in ROBOTS])
 _part = probe_with(watch=STATE, fit=_live, begin=_restart_all)
 
 
@@ -244,7 +244,7 @@ def _backing_off(values, dice):
     """A trot that backs off from an edge; sometimes it has just stood long enough."""
     _live(values, dice)
     robot: Planner = values[0]
-    exchange.back_off(robot)
+    mover_choice.back_off(robot)
     COMMAND.speed.vx = dice.bits(12)
     COMMAND.speed.vy = 0
     COMMAND.speed.wz = 0
@@ -252,18 +252,18 @@ def _backing_off(values, dice):
     COMMAND.gait = TROT_GAIT if dice.bits(2) else CRAWL_GAIT
     if dice.bits(1):
         robot.status.state = n.STANDING
-        robot.retreat.ends = 1
-        robot.retreat.stood = 0xFFFF
+        robot.retreat.stopping = 1
+        robot.retreat.stood_ticks = 0xFFFF
 
 
 PARTS = (
     _part(planner, "move", (ROBOT, COMMAND, SENSED)),
-    _part(exchange, "walker", (ROBOT,), watch=()),
-    _part(exchange, "choose_mover", (ROBOT, COMMAND, SENSED)),
-    _part(exchange, "crawl_is_due", (ROBOT, COMMAND, SENSED), watch=STATE + RETREATS),
-    _part(exchange, "held_up_for_good", (ROBOT,), watch=()),
-    _part(exchange, "back_off", (ROBOT,), watch=STATE + RETREATS),
-    _part(exchange, "backed_off", (ROBOT, COMMAND, SENSED), watch=STATE + RETREATS, fit=_backing_off),
+    _part(mover_choice, "usual_mover", (ROBOT,), watch=()),
+    _part(mover_choice, "choose_mover", (ROBOT, COMMAND, SENSED)),
+    _part(mover_choice, "crawl_is_due", (ROBOT, COMMAND, SENSED), watch=STATE + RETREATS),
+    _part(mover_choice, "held_up_for_good", (ROBOT,), watch=()),
+    _part(mover_choice, "back_off", (ROBOT,), watch=STATE + RETREATS),
+    _part(mover_choice, "backed_off", (ROBOT, COMMAND, SENSED), watch=STATE + RETREATS, fit=_backing_off),
     _part(movers, "change_mover", (ROBOT, ANY_MOVER)),
     _part(movers, "start_mover", (ROBOT, ANY_MOVER)),
     _part(movers, "tick_mover", (ROBOT, COMMAND, SENSED)),
@@ -276,39 +276,39 @@ PARTS = (
     _part(walk_crawl, "start_crawl", (ROBOT,)),
     _part(walk_crawl, "walk_crawl", (ROBOT, COMMAND, SENSED), fit=_crawling),
     _part(walk_crawl, "crawl_on", (ROBOT, COMMAND, SENSED, BRAD, BRAD), fit=_crawling),
-    _part(walk_crawl, "gives_way", (ROBOT, COMMAND), fit=_crawling),
+    _part(walk_crawl, "end_reason", (ROBOT, COMMAND), fit=_crawling),
     _part(walk_crawl, "stop_crawl", (ROBOT,), fit=_crawling),
     _part(planner, "plan", (ROBOT, COMMAND, SENSED)),
     _part(planner_states, "choose_state", (ROBOT, COMMAND, SENSED)),
     _part(planner_states, "begin_move", (ROBOT, SENSED, FLAG), fit=_live_in),
-    _part(planner_states, "settle", (ROBOT,), watch=STATE + FEET),
+    _part(planner_states, "reset_motion", (ROBOT,), watch=STATE + FEET),
     _part(planner_states, "end_move", (ROBOT,)),
-    _part(planner_states, "lie_folded", (ROBOT,), watch=(ROBOTS[0].goal, ROBOTS[1].goal)),
-    _part(planner_states, "fold_legs", (ROBOT,), watch=FEET),
+    _part(planner_states, "fold_at_sides", (ROBOT,), watch=(ROBOTS[0].goal, ROBOTS[1].goal)),
+    _part(planner_states, "seat_feet", (ROBOT,), watch=FEET),
     _part(planner_states, "follow_joints", (ROBOT, SENSED)),
-    _part(planner_steps, "follow_command", (ROBOT, COMMAND, Range(0, 2)), watch=POSES),
-    _part(planner_steps, "stands", (ROBOT, FLAG), watch=STATE + FEET),
-    _part(planner_steps, "lift_height", (ROBOT, INT30), watch=()),
-    _part(planner_steps, "step_feet", (ROBOT, SHARE), watch=STATE + FEET),
-    _part(planner_steps, "next_cycle", (ROBOT, GAIT, FLAG, FLAG)),
-    _part(planner_steps, "hold_back", (ROBOT, COMMAND), watch=POSES),
+    _part(follow, "follow_command", (ROBOT, COMMAND, Range(0, 2)), watch=POSES),
+    _part(walk_table, "stands", (ROBOT, FLAG), watch=STATE + FEET),
+    _part(walk_table, "lift_height", (ROBOT, INT30), watch=()),
+    _part(walk_table, "step_feet", (ROBOT, SHARE), watch=STATE + FEET),
+    _part(walk_table, "next_cycle", (ROBOT, GAIT, FLAG, FLAG)),
+    _part(follow, "hold_back", (ROBOT, COMMAND), watch=POSES),
     _part(planner_senses, "take_senses", (ROBOT, SENSED), watch=BELIEVED),
-    _part(planner_senses, "meet", (ROBOT, GOAL)),
-    _part(planner_senses, "feel_legs", (ROBOT,)),
-    _part(planner_senses, "follow_way", (ROBOT,)),
-    _part(planner_senses, "note_odd", (ROBOT, Range(-1, 12))),
+    _part(planner_senses, "reset_goals", (ROBOT, GOAL)),
+    _part(planner_senses, "update_sensing", (ROBOT,)),
+    _part(planner_senses, "update_odometry", (ROBOT,)),
+    _part(planner_senses, "flag_odd", (ROBOT, Range(-1, 12))),
     _part(weight, "watch_weight", (ROBOT,), fit=_live_about_to_lift),
-    _part(weight, "carried", (ROBOT,), fit=_live_about_to_lift),
-    _part(weight, "ask", (ROBOT,), fit=_live_about_to_lift),
-    _part(weight, "put_down", (ROBOT, ANY_MODE), fit=_live_about_to_lift),
+    _part(weight, "carried_load_q12", (ROBOT,), fit=_live_about_to_lift),
+    _part(weight, "check_carries", (ROBOT,), fit=_live_about_to_lift),
+    _part(weight, "stays_lifted", (ROBOT, ANY_MODE), fit=_live_about_to_lift),
     _part(planner_states, "watch_tilt", (ROBOT, SENSED, ANY_MODE)),
-    _part(planner_steps, "wanted_gait", (ROBOT, COMMAND)),
-    _part(planner_steps, "limit_to_both", (ROBOT, GAIT), watch=(ROBOTS[0].top_speed, ROBOTS[1].top_speed)),
-    _part(planner_steps, "within_speed", (ROBOT, GAIT), watch=()),
-    _part(planner_steps, "use_gait", (ROBOT, GAIT)),
+    _part(follow, "wanted_gait", (ROBOT, COMMAND)),
+    _part(follow, "limit_to_both", (ROBOT, GAIT), watch=(ROBOTS[0].top_speed, ROBOTS[1].top_speed)),
+    _part(walk_table, "within_speed", (ROBOT, GAIT), watch=()),
+    _part(follow, "use_gait", (ROBOT, GAIT)),
     _part(planner_pose, "pose_legs", (ROBOT, COMMAND, SENSED)),
-    _part(planner_pose, "level", (ROBOT, COMMAND, SENSED), watch=(ROBOTS[0].last_pose, ROBOTS[1].last_pose)),
-    _part(planner_pose, "tell_margin", (ROBOT,)),
+    _part(planner_pose, "add_balance", (ROBOT, COMMAND, SENSED), watch=BALANCED),
+    _part(planner_pose, "write_margin", (ROBOT,)),
     _part(planner_pose, "solve_legs", (ROBOT, GOAL), watch=(GOAL,)),
 )
 WALKS = tuple(

@@ -52,7 +52,7 @@ PROBES = (
     _probe(sensing, "sensing_reset", (BLOCK,), begin=None, fit=_soil),
     _probe(sensing, "keep_sent", (BLOCK, GOALS)),
     _probe(sensing, "sense_legs", (ROBOT, ANGLES, BRAD, BRAD, FEET, BLOCK), fit=_some_ticks, vectors=2),
-    _probe(sensing, "feel_forces", (ROBOT, ANGLES, FEET.waves, BLOCK), fit=_forward),
+    _probe(sensing, "foot_forces", (ROBOT, ANGLES, FEET.waves, BLOCK), fit=_forward),
     Probe(sensing, "joint_torque", (SHARE, SHARE, ANGLE18, ANGLE18)),
-    _probe(sensing, "keep_feet", (ANGLES, PLACES, BLOCK)),
+    _probe(sensing, "level_feet", (ANGLES, PLACES, BLOCK)),
 )

@@ -10,7 +10,7 @@ from host.robot.joint_faults import fault_sentence
 from host.robot.joint_units import MOTION_HZ, RATE_PER_RAD_S, JointSetup
 from host.sim.motor.bench import Bench
 from host.sim.motor.model import Load
-from shared.joint.bend import straightened
+from shared.joint.bend import corrected_rotor
 from shared.joint.commission_state import COMMISSION_FULL
 from shared.joint.layout import WAVES
 from shared.wire import names as w
@@ -177,4 +177,4 @@ def straight_rad(drawn: Drawn, bench: Bench, rotor_rad: float) -> float:
     """Return what the joint takes a rotor angle for."""
     read = rotor_rad + drawn.eccentric_rad * sin(rotor_rad - drawn.eccentric_at_rad)
     loop = bench.joint.control.loop
-    return straightened(loop, int(read / tau * 16384) & 16383) / 16384 * tau
+    return corrected_rotor(loop, int(read / tau * 16384) & 16383) / 16384 * tau

@@ -176,7 +176,7 @@ def test_while_swings_are_high_it_goes_about_as_fast_as_it_is_told(name, speed):
     planner, tick = walk.driver.planner, walk.walker.tick
 
     def after_something_was_met():
-        planner.trot.state.high_left = planner.params.trot.high_way
+        planner.trot.state.high_left = planner.params.trot.high_distance
         tick()
 
     walk.walker.tick = after_something_was_met

@@ -16,46 +16,46 @@ _GAP_MAX = const(131071)  # lu Q4
 
 
 @hot
-def feel(params: Params, walk: Trot, turned: Turn, valid: int) -> None:
+def estimate(params: Params, trot: Trot, turned: Turn, valid: int) -> None:
     """Take the measured feet and the turn of this tick.
 
     ``valid`` 0: not all was measured. Nothing is known then, and the commanded speed is taken for the measured one.
     """
-    state = walk.state
+    state = trot.state
     if valid == 0:
         state.known = 0
         for axis in range(2):
             state.measured_speed[axis] = state.foot_speed[axis]
         return
     if state.known:
-        see_speed(params, walk, turned)
-    if state.known > params.sent_ticks:
-        see_residual(params, walk)
-    elif state.known == params.sent_ticks:
-        free_feet(params, walk)
+        estimate_speed(params, trot, turned)
+    if state.known > params.delay_ticks:
+        update_residual(params, trot)
+    elif state.known == params.delay_ticks:
+        start_residual(params, trot)
     if state.known < 100:
         state.known += 1
 
 
 @hot
-def see_speed(params: Params, walk: Trot, turned: Turn) -> None:
+def estimate_speed(params: Params, trot: Trot, turned: Turn) -> None:
     """Update the filtered mean speed of the body over the feet that certainly stand.
 
     These stood by plan in the last tick, and also a tick before the goals that the joints now answer: a foot that has
     just touched down tells no speed. Intermediates: 2 * 16383 * 32767 < 2^30; a speed's error of 2^19 times 2^9.
     """
-    state = walk.state
+    state = trot.state
     about_x = saturate(turned.x, -_TURN_MAX, _TURN_MAX)
     about_y = saturate(turned.y, -_TURN_MAX, _TURN_MAX)
     about_z = saturate(turned.z, -_TURN_MAX, _TURN_MAX)
-    stood = walk.past_stance[state.ring_at - params.sent_ticks - 1 & 15] & walk.past_stance[state.ring_at - 1 & 15]
+    stood = trot.past_stance[state.ring_at - params.delay_ticks - 1 & 15] & trot.past_stance[state.ring_at - 1 & 15]
     count = 0
     ahead = 0
     aside = 0
     for leg in range(LEGS):
         if stood >> leg & 1:
-            foot = walk.measured.legs[leg]
-            before = walk.before.legs[leg]
+            foot = trot.measured.legs[leg]
+            before = trot.before.legs[leg]
             x = foot.x >> 1
             y = foot.y >> 1
             z = foot.z >> 1
@@ -63,7 +63,7 @@ def see_speed(params: Params, walk: Trot, turned: Turn) -> None:
             aside -= (foot.y - before.y << LF_BITS) + (about_z * x - about_x * z >> 9)
             count += 1
     if count:
-        share_q10 = params.trot.odometry_q10
+        share_q10 = params.trot.speed_filter_q10
         ahead = saturate(ahead // count - state.measured_speed.x, -_SPEED_MAX, _SPEED_MAX)
         aside = saturate(aside // count - state.measured_speed.y, -_SPEED_MAX, _SPEED_MAX)
         state.measured_speed.x += ahead * share_q10 + 512 >> 10
@@ -71,35 +71,35 @@ def see_speed(params: Params, walk: Trot, turned: Turn) -> None:
 
 
 @hot
-def free_feet(params: Params, walk: Trot) -> None:
+def start_residual(params: Params, trot: Trot) -> None:
     """Begin the residuals: take each unhindered foot to be where it was sent."""
-    sent = (walk.state.ring_at - params.sent_ticks & 15) * LEGS
+    sent = (trot.state.ring_at - params.delay_ticks & 15) * LEGS
     for leg in range(LEGS):
-        walk.free_x_q4[leg] = walk.past_x[sent + leg] << 4
-        walk.free_z_q4[leg] = walk.past_z[sent + leg] << 4
+        trot.expected_x_q4[leg] = trot.past_x[sent + leg] << 4
+        trot.expected_z_q4[leg] = trot.past_z[sent + leg] << 4
 
 
 @hot
-def see_residual(params: Params, walk: Trot) -> None:
+def update_residual(params: Params, trot: Trot) -> None:
     """Write how far each foot is, along x and z, from where an unhindered foot would be.
 
     That is where the goals that the joints now answer sent it, behind by the drives' lag for which the goals do not
     compensate. Error of a step: 1/16 lu. Intermediates: 2^17 * 2^12.
     """
-    share_q12 = params.trot.free_lag_q12
-    sent = (walk.state.ring_at - params.sent_ticks & 15) * LEGS
+    share_q12 = params.trot.response_q12
+    sent = (trot.state.ring_at - params.delay_ticks & 15) * LEGS
     for leg in range(LEGS):
-        foot = walk.measured.legs[leg]
-        ahead = walk.free_x_q4[leg]
-        up = walk.free_z_q4[leg]
-        gap = (walk.past_x[sent + leg] << 4) - ahead
-        rise = (walk.past_z[sent + leg] << 4) - up
+        foot = trot.measured.legs[leg]
+        ahead = trot.expected_x_q4[leg]
+        up = trot.expected_z_q4[leg]
+        gap = (trot.past_x[sent + leg] << 4) - ahead
+        rise = (trot.past_z[sent + leg] << 4) - up
         if gap > _GAP_MAX or gap < -_GAP_MAX or rise > _GAP_MAX or rise < -_GAP_MAX:
             gap = saturate(gap, -_GAP_MAX, _GAP_MAX)
             rise = saturate(rise, -_GAP_MAX, _GAP_MAX)
         ahead += gap * share_q12 + 2048 >> 12
         up += rise * share_q12 + 2048 >> 12
-        walk.free_x_q4[leg] = ahead
-        walk.free_z_q4[leg] = up
-        walk.residual_x[leg] = foot.x - (ahead >> 4)
-        walk.residual_z[leg] = foot.z - (up >> 4)
+        trot.expected_x_q4[leg] = ahead
+        trot.expected_z_q4[leg] = up
+        trot.residual_x[leg] = foot.x - (ahead >> 4)
+        trot.residual_z[leg] = foot.z - (up >> 4)

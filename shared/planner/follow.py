@@ -1,16 +1,13 @@
-"""How movers follow the command, change gaits, and walk by a gait's table.
+"""How every mover follows the command: its speed, its pose, its gait.
 
-    command -> slewed speed and pose -> stand or walk -> feet -> the gait of the next cycle
+    command -> slewed speed and pose; a pose out of reach is held back
 """
 
-from ..body.axes import POSE_AXES, TWIST_AXES
-from ..gait.steps import body_advance, move_feet, place_feet, steps_at_rest
-from ..gait.table import gait_clock
-from ..num.fixed import saturate
+from ..body.axes import POSE_AXES
 from ..runtime import hot
 from .command import MODE_WALK, Command, is_posed, slew_pose, slew_speed
 from .state import PlannerState
-from .status import BAD_COMMAND, POSE_HELD, STANDING, WALKING
+from .status import BAD_COMMAND, POSE_HELD
 
 
 @hot
@@ -24,28 +21,11 @@ def follow_command(planner: PlannerState, command: Command, halves: int) -> int:
         halves = 0
     still = slew_speed(planner.params, planner.top_speed, command, halves, planner.speed)
     status.pose_moves = 0
-    if (status.beyond or status.pose_held) and hold_back(planner, command):
+    if (status.out_of_reach or status.pose_held) and hold_back(planner, command):
         return still
     if is_posed(command, planner.pose) == 0:
         status.pose_moves = slew_pose(planner.params, command, 1, planner.pose)
     return still
-
-
-@hot
-def stands(planner: PlannerState, still: int) -> int:
-    """Return 1 if the robot stands in this tick, its feet where they are; 0 if it walks, perhaps from now on.
-
-    still: 1 if the speed is 0.
-    """
-    status = planner.status
-    if status.state != STANDING:
-        return 0
-    if still:
-        place_feet(planner.params, planner.gait, planner.steps, planner.speed, 0, planner.feet)
-        status.swinging = 0
-        return 1
-    status.state = WALKING
-    return 0
 
 
 @hot
@@ -63,7 +43,7 @@ def hold_back(planner: PlannerState, command: Command) -> int:
             posed = 1
         if status.held_pose[axis] != command.pose[axis]:
             other = 1
-    if status.beyond and posed:
+    if status.out_of_reach and posed:
         if status.pose_held == 0:
             for axis in range(POSE_AXES):
                 status.held_pose[axis] = command.pose[axis]
@@ -74,37 +54,6 @@ def hold_back(planner: PlannerState, command: Command) -> int:
     if status.pose_held:
         status.flags |= POSE_HELD
     return status.pose_held
-
-
-@hot
-def lift_height(planner: PlannerState, height_lu: int) -> int:
-    """Return the swing height, lu, within reach: as commanded, or the gait's own if that is 0 or less."""
-    if height_lu <= 0:
-        height_lu = planner.status.height
-    return saturate(height_lu, 0, -planner.params.sit_z)
-
-
-@hot
-def step_feet(planner: PlannerState, height_lu: int) -> None:
-    """Move and place all feet for one tick of the gait's clock."""
-    status = planner.status
-    move_feet(planner.steps, planner.speed, body_advance(planner.gait, planner.clock))
-    status.swinging = place_feet(planner.params, planner.gait, planner.steps, planner.speed, height_lu, planner.feet)
-
-
-@hot
-def next_cycle(planner: PlannerState, wanted: int, fits: int, still: int) -> None:
-    """Advance the clock; at the end of a cycle stand if ``still``, or change to the ``wanted`` gait if it ``fits``."""
-    status = planner.status
-    if gait_clock(planner.gait, planner.clock) == 0:
-        return
-    status.cycles = 1
-    if still and steps_at_rest(planner.params, planner.steps):
-        status.state = STANDING
-    elif fits:
-        use_gait(planner, wanted)
-    else:
-        use_gait(planner, status.gait)
 
 
 @hot
@@ -122,17 +71,6 @@ def limit_to_both(planner: PlannerState, wanted: int) -> None:
         top.vy = other.speed_max.vy
     if other.speed_max.wz < top.wz:
         top.wz = other.speed_max.wz
-
-
-@hot
-def within_speed(planner: PlannerState, wanted: int) -> int:
-    """Return 1 if the ``wanted`` gait allows the current speed: at a higher one its steps would be too long."""
-    speed = planner.speed
-    other = planner.gaits[wanted]
-    for axis in range(TWIST_AXES):
-        if speed[axis] > other.speed_max[axis] or speed[axis] < -other.speed_max[axis]:
-            return 0
-    return 1
 
 
 @hot

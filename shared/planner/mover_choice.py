@@ -9,18 +9,18 @@ from ..gait.table import MOVER_CRAWL, MOVER_TABLE, MOVER_TROT
 from ..runtime import const, hot
 from ..sense.sensed import Sensed
 from .command import MODE_WALK, Command
-from .handover import REASON_COMMAND, REASON_HELD, exchanges, straight_on
+from .follow import use_gait, wanted_gait
+from .handover import REASON_COMMAND, REASON_HELD, crawl_can_follow
 from .retreat import retreat_start, retreat_step
 from .state import PlannerState
 from .status import BLIND, STANDING
-from .steps import use_gait, wanted_gait
 
 _HELD_S = const(4)  # of held-up swings; 3 is too short at edges that it can climb, with 6 the trunk comes down on walls
 _HELD_IN_A_ROW = const(7)  # held-up swings of a pair of feet; with 5 or 6 Caramelo gives up at steps that it can climb
 
 
 @hot
-def walker(planner: PlannerState) -> int:
+def usual_mover(planner: PlannerState) -> int:
     """Return the mover that walks the current gait when it is not crawled: its table or the trot."""
     gait = planner.gait
     if gait.mover == MOVER_TABLE:
@@ -46,7 +46,7 @@ def choose_mover(planner: PlannerState, command: Command, sensed: Sensed) -> int
     else:
         due = crawl_is_due(planner, command, sensed)
     if due == 0:
-        return walker(planner)
+        return usual_mover(planner)
     use_gait(planner, wanted)
     return MOVER_CRAWL
 
@@ -65,7 +65,7 @@ def crawl_is_due(planner: PlannerState, command: Command, sensed: Sensed) -> int
         crawls = 1
     elif held_up_for_good(planner) == 0:
         return 0
-    if command.mode != MODE_WALK or status.fallen or straight_on(planner.params, command) == 0:
+    if command.mode != MODE_WALK or status.fallen or crawl_can_follow(planner.params, command) == 0:
         return 0
     if sensed.valid.joints == 0 or sensed.valid.tilt == 0:
         status.flags |= BLIND
@@ -110,8 +110,8 @@ def backed_off(planner: PlannerState, command: Command, sensed: Sensed) -> int:
     """
     status = planner.status
     gait = planner.gaits[wanted_gait(planner, command)]
-    keeps_on = straight_on(planner.params, command)
-    if command.mode != MODE_WALK or status.fallen or exchanges(gait.mover) == 0:
+    keeps_on = crawl_can_follow(planner.params, command)
+    if command.mode != MODE_WALK or status.fallen or gait.mover == MOVER_TABLE:
         keeps_on = 0
     if keeps_on == 0 or sensed.valid.joints == 0 or sensed.valid.tilt == 0:
         status.backing_off = 0
