@@ -9,8 +9,9 @@ from difflib import get_close_matches
 from math import pi
 
 from shared.body.crawl_setup import CrawlSetup
-from shared.body.params import FR, LEGS, LF_BITS, RR, THIGH, Leg, Params
+from shared.body.params import CALF, FR, LEGS, LF_BITS, RR, THIGH, Leg, Params
 from shared.num.fixed import cos_q15, hypot, isqrt
+from sim2d.model import GRAVITY_M_S2
 
 from .drives import joint_drives
 from .model import Robot
@@ -19,6 +20,8 @@ _LEG_MM = 240  # the leg that the table's lengths belong to
 _STRIDE_MM = 90  # the longest
 _LEAST_BEND = round(32768 * 30 / 180)  # brad, of a calf: the joints' errors show a foot's load times its sine
 _SECOND_US = 1_000_000
+_MM_THOUSANDTHS = 1_000_000  # in a metre
+_BODY = "lu / s^2"  # the body's accelerations are the same for any leg: gravity is
 # The core's unit -> how a field's name ends, how its key ends in the file, how many of the table's units are 1 in SI
 _UNITS = {
     "lu": ("", "_m", 1000),
@@ -36,6 +39,9 @@ _KEYS = {name.removesuffix(_UNITS[place.unit][0]) + _UNITS[place.unit][1]: name 
 # Damping of the body's sway from which the pose loop has the table's gains: with them Parallel (10.4) stands still, and
 # A1 (7.3) swayed until it fell
 _CALM_1_S = 10.0
+# Friction of a thigh or calf joint, as a share of the weight on a foot half a leg away, from which a contact has the
+# table's least loads: Caramelo's. A1's is 0.008, and the same loads tip it over before it notices them
+_FRICTION_SHARE = 0.023
 _MOST_LAG_S = 0.062  # the core keeps the goals of 31 ticks, at up to 500 Hz
 
 
@@ -59,23 +65,24 @@ def fill_crawl(params: Params, robot: Robot) -> None:
     """Write the crawl's numbers into parameters that already have rate, legs and leg length."""
     given, leg_m = robot.crawl, robot.geometry.leg_m
     for name, place in _NUMBERS.items():
-        setattr(params.crawl, name, _scaled(place.default * 1000, place.unit, params.leg_length, params.rate_hz))
+        setattr(params.crawl, name, _scaled(place.default * 1000, place.unit, params))
     _shape(params)
     _calm(params, robot)
+    _feel(params, robot)
     for key, value in given.items():
         place = _NUMBERS[_KEYS[key]]
         thousandths = round(1000 * value / _one(place.unit, leg_m))
-        integer = _scaled(thousandths, place.unit, params.leg_length, params.rate_hz)
-        setattr(params.crawl, _KEYS[key], integer)
+        setattr(params.crawl, _KEYS[key], _scaled(thousandths, place.unit, params))
 
 
 def _one(unit: str, leg_m: float) -> float:
     """Return the SI value of 1 in the table, for a leg."""
-    return 1 / _UNITS[unit][2] * (leg_m * 1000 / _LEG_MM if unit.startswith("l") else 1)
+    return 1 / _UNITS[unit][2] * (leg_m * 1000 / _LEG_MM if unit.startswith("l") and unit != _BODY else 1)
 
 
-def _scaled(value: int, unit: str, leg: int, rate_hz: int) -> int:
-    """Return the core's value of a thousandth of a number of the table, for a leg of ``leg`` lu."""
+def _scaled(value: int, unit: str, params: Params) -> int:
+    """Return the core's value of a thousandth of a number of the table, for a robot's leg and rate."""
+    rate_hz = params.rate_hz
     if unit in ("brad", "Q15", "own weight"):
         one = {"brad": 32768 / pi, "Q15": 32768, "own weight": 4096}[unit]
         return round(value / 1000 / _UNITS[unit][2] * one)
@@ -83,8 +90,10 @@ def _scaled(value: int, unit: str, leg: int, rate_hz: int) -> int:
         return max(1, (value * rate_hz + _SECOND_US // 2) // _SECOND_US)
     if unit == "Q15 / tick":
         return min(32768, max(1, (32768 * _SECOND_US // value + rate_hz // 2) // rate_hz))
-    length = leg * value // (_LEG_MM * 1000)
-    if unit in ("lu", "lu / s^2"):
+    if unit == _BODY:
+        return (value << params.length_shift) // _MM_THOUSANDTHS
+    length = params.leg_length * value // (_LEG_MM * 1000)
+    if unit == "lu":
         return length
     step = (length << LF_BITS) // rate_hz
     return max(1, step if unit == "lf / tick" else step // rate_hz)
@@ -123,6 +132,15 @@ def _calm(params: Params, robot: Robot) -> None:
     damping = 3 * joint_drives(robot)[THIGH].damping_Nms_rad / (robot.mass_kg * height_m**2)
     for name in ("error_q15", "integral_q15"):
         setattr(params.crawl, name, round(getattr(params.crawl, name) * min(1.0, damping / _CALM_1_S)))
+
+
+def _feel(params: Params, robot: Robot) -> None:
+    """Lower the least loads of a contact where the joints rub less: down to half."""
+    coulomb_Nm = max(joint.coulomb_Nm for joint in joint_drives(robot)[THIGH : CALF + 1])
+    weight_Nm = robot.mass_kg * GRAVITY_M_S2 * robot.geometry.leg_m / 2
+    share = max(0.5, min(1.0, coulomb_Nm / weight_Nm / _FRICTION_SHARE))
+    for name in ("touch_q12", "peak_q12"):
+        setattr(params.crawl, name, round(getattr(params.crawl, name) * share))
 
 
 def _bend(leg: Leg) -> tuple[int, int]:
