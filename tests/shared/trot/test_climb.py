@@ -8,8 +8,8 @@ from host.robot.scale import core_params
 from shared.record import copy, pack
 from shared.sense.legs import MeasuredFeet
 from shared.sense.odometry import Odometry
-from shared.trot.clock import go_on
-from shared.trot.ground import climbs, rise_q20
+from shared.trot.clock import advance_legs
+from shared.trot.ground import climbs, slope_ahead_q20
 from shared.trot.react import EARLY, EARLY_NOW, choose_lift, count_held_up, count_in_row, swing_apex
 from shared.trot.state import CYCLE_Q20, Trot
 from shared.trot.trot import trot_start
@@ -31,7 +31,7 @@ def test_it_climbs_where_the_ground_rises_along_the_way(pair, way):
     state.foot_speed.x, state.uneven_q4 = way * 1000, UNEVEN_Q4
     for slope_q20 in range(-314573, 314574, 997):
         state.slope_q20.x = slope_q20
-        assert rise_q20(pair.walk) == slope_q20 * (way or 1)
+        assert slope_ahead_q20(pair.walk) == slope_q20 * (way or 1)
         assert climbs(pair.params, pair.walk) == (slope_q20 * (way or 1) / 2**20 > 0.1)
 
 
@@ -102,7 +102,7 @@ def test_a_foot_that_landed_on_higher_ground_takes_it_as_it_is(pair, high, slope
     before, after_landing = [pack(foot) for foot in walk.feet.legs], stood > 1
     walk.command.moving = 1
     state.phase_q20 = (CYCLE_Q20 >> 1) + round(stood * setup.landing_q20) - setup.phase_step_q20
-    go_on(pair.params, walk, 0)
+    advance_legs(pair.params, walk, 0)
     changed = [pack(foot) != was for foot, was in zip(walk.feet.legs, before, strict=True)]
     assert changed == [False, taken, False, False]
     assert walk.early_contact[1] == (EARLY_NOW if taken else 0 if after_landing else met_before)
@@ -132,7 +132,7 @@ def test_a_foot_swings_again_after_it_met_something_however_late_the_bus_is(rate
         walk.command.moving, walk.early_contact[:], swung = 1, [EARLY, 0, 0, EARLY], 0
         walk.state.phase_q20, walk.state.pushed = first, pushed
         for _ in range(CYCLE_Q20 // step):
-            go_on(params, walk, 0)
+            advance_legs(params, walk, 0)
             swung |= walk.state.swinging
         assert swung == 0b1111
 

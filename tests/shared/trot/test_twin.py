@@ -15,7 +15,7 @@ from shared.sense.legs import MeasuredFeet, Sensing, sense_legs
 from shared.sense.odometry import Odometry
 from shared.sense.sensed import Sensed
 from shared.trot.clock import hurried_step
-from shared.trot.feet import free_way_q15, spare
+from shared.trot.feet import held_up_way_q15, limit_push
 from shared.trot.state import CYCLE_Q20, Trot
 from shared.trot.trot import trot_start, trot_tick
 
@@ -161,7 +161,7 @@ def test_a_foot_that_was_held_up_rises_before_it_goes_ahead():
     pair = Pair("caramelo", 50)
     for share in range(32768):
         part = min(1.0, max(0.0, (share / 32768 - tuning.AHEAD_FROM) / (tuning.AHEAD_TO - tuning.AHEAD_FROM)))
-        assert free_way_q15(pair.params, share) == pytest.approx(32768 * way(part), abs=4)
+        assert held_up_way_q15(pair.params, share) == pytest.approx(32768 * way(part), abs=4)
     walk, way_m = pair.walk, []
     for _ in pair.walk_with_a_held_foot():
         for leg, foot in enumerate(walk.feet.legs):
@@ -263,6 +263,6 @@ def test_what_a_standing_foot_is_spared_is_as_the_floats_say(name, rate_hz):
     for off in (*range(-40000, 40000, 37), most, most + 1, 32767 + most):
         walk.residual_z[0], walk.state.known = off, 100
         exact = min(32767, max(0, off - most)) * share * 256
-        assert spare(params, walk, 0) == pytest.approx(exact, abs=1 + exact * 0.5 / params.trot.height_kp_q16)
+        assert limit_push(params, walk, 0) == pytest.approx(exact, abs=1 + exact * 0.5 / params.trot.height_kp_q16)
         walk.state.known = params.delay_ticks
-        assert spare(params, walk, 0) == 0
+        assert limit_push(params, walk, 0) == 0
