@@ -67,6 +67,13 @@ def _joints(calibration: "Calibration | None") -> dict[int, str]:
     return dict(zip(calibration.ids, JOINT_LABELS, strict=True)) if calibration else {}
 
 
+def _nobody(link: "Link") -> str:
+    """Return what to do where no servo answers at all."""
+    rate, name = link.port.getBaudRate(), link.port.port_name
+    again = "caramelo servos scan --all-bauds"
+    return f"no servo answers on {name} at {rate} baud: is the power on? try: {again}, or another --port"
+
+
 @GROUP.command()
 def scan(
     robot: RobotName = "caramelo",
@@ -89,6 +96,7 @@ def scan(
     with servo_port(robot, port, baud, sim) as (data, link), progress("scan", 1.0) as done:
         found = list(find_at_all_rates(link, done)) if all_bauds else find(link, done)
         name, waits_ms = link.port.port_name, latency_ms(link.port.port_name)
+        nobody = _nobody(link)
         warning, rate, protocol = latency_warning(name), link.port.getBaudRate(), link.protocol
     joints = _joints(_calibration(data, calibration, sim))
     cost = costs.budget(
@@ -106,7 +114,7 @@ def scan(
         if warning:
             write_error(f"warning: {warning}")
     if not rows:
-        write_error(f"no servo answers on {name} at {rate} baud: is the power on? try --all-bauds, or another --port")
+        write_error(nobody)
     return 0 if rows else NOT_ACHIEVED
 
 
@@ -119,7 +127,7 @@ def status(
     sim: Sim = False,
     as_json: Json = False,
 ) -> int:
-    """Show position, load, voltage, temperature and errors of each servo. Exit code 1 if one is missing or tripped.
+    """Show position, load, voltage, temperature and errors of each servo. Exit code 1 if one is silent or tripped.
 
     Example: caramelo servos status
     """
@@ -128,18 +136,30 @@ def status(
     with servo_port(robot, port, baud, sim) as (data, link):
         known = _joints(_calibration(data, calibration, sim))
         ids = sorted(known) if known else range(1, 13)
-        rows = [(known.get(servo, "-"), servo, status_of(link, servo)) for servo in ids]
+        rows = []
+        with progress("status", len(ids)) as done:
+            for servo in ids:
+                rows.append((known.get(servo, "-"), servo, status_of(link, servo)))
+                done(len(rows))
+        nobody = _nobody(link)
+    silent = [f"{joint} (id {servo})" if known else f"id {servo}" for joint, servo, s in rows if s is None]
     if as_json:
-        write_json({"servos": [{"joint": joint, "id": servo, **(asdict(s) if s else {})} for joint, servo, s in rows]})
+        write_json({"servos": [
+            {"joint": joint, "id": servo, "silent": s is None, **(asdict(s) if s else {})} for joint, servo, s in rows
+        ]})  # fmt: skip
     else:
         head = ("joint", "id", "position", "load", "V", "C", "torque", "error")
         print_table(head, [(joint, servo, *_status_cells(s)) for joint, servo, s in rows])
+    if len(silent) == len(rows):
+        write_error(nobody)
+    elif silent:
+        write_error(f"silent: {', '.join(silent)}: check the plugs and cables there, then run: caramelo servos scan")
     return 0 if all(s and not s.error for _, _, s in rows) else NOT_ACHIEVED
 
 
 def _status_cells(s: Any) -> tuple[object, ...]:
     if s is None:
-        return "-", "-", "-", "-", "-", "does not answer: check its cable, or run scan"
+        return "-", "-", "-", "-", "-", "silent"
     load, torque = f"{100 * s.load:.0f} %", "on" if s.torque else "off"
     return s.position, load, f"{s.voltage_V:.1f}", s.temperature_C, torque, s.error or "none"
 

@@ -131,4 +131,7 @@ def show_result(result: dict[str, Any], written: list[Path]) -> None:
     print_table((), facts(result))
     print_table(("torque rms, % of stall", " hip", "thigh", "calf"), torques)
     screen().print(Text("ok" if result["ok"] else "not achieved", style="bold"), result["reason"], sep=": ")
+    if not result["ok"] and result["height_m"] and result["in"] == "plane":
+        hint = "edges are harder in the plane (docs/gaits.md): try --in space, or another --seed"
+        screen().print(hint, soft_wrap=True)
     tell_written(written)

@@ -7,7 +7,7 @@ the twelve angles back. Between these two conversions there are only the core's 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from shared.gait.table import MOVER_TABLE
+from shared.gait.table import MOVER_CRAWL, MOVER_TABLE
 from shared.planner import command as core
 from shared.planner.command import MODE_FOLD, MODE_LIMP, MODE_SIT, MODE_STAND, MODE_WALK
 from shared.planner.planner import Planner
@@ -100,6 +100,10 @@ class Driver:
         elif most == self.planner.params.speed_max.vx:
             key = "speed_limits.vx_m_s"
         return self.scale.metres_per_second(most), key
+
+    def has_own_speed(self, gait: str) -> bool:
+        """Return whether a gait walks at its own speed, whatever is commanded: the crawl does."""
+        return self.planner.gaits[gait_index(self.robot, gait)].mover == MOVER_CRAWL
 
     def fastest(self, gait: str) -> tuple[float, float, float]:
         """Return a gait's top commands: forward and sideways, m/s, and turning, rad/s."""

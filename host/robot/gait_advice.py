@@ -23,6 +23,11 @@ def why_not_advised(robot: Robot, gait: str, speed_m_s: float = 0.0, *, in_space
     return f"tried only up to {most_m_s:g} m/s" if abs(speed_m_s) > most_m_s else ""
 
 
+def tried_up_to_m_s(robot: Robot, gait: str) -> float | None:
+    """Return up to which speed a gait is advised, None if the file does not say."""
+    return robot.gait.advised_m_s.get(gait)
+
+
 def gait_advice(robot: Robot) -> dict[str, str]:
     """Return every gait's name, in the planner's order, with why it is not advised for this robot, "" if it is."""
     return {gait: why_not_advised(robot, gait) for gait in gait_names(robot)}

@@ -12,7 +12,7 @@ from sim2d.run import Sensed, simulate
 
 from ..control.gait_changes import GaitWatch, change_lines, notes_json
 from ..control.planner import Driver
-from ..robot.gait_advice import why_not_advised
+from ..robot.gait_advice import tried_up_to_m_s, why_not_advised
 from ..robot.gait_names import gait_index
 from ..robot.model import JOINT_NAMES, LEG_NAMES, Robot
 from ..robot.plane import planar_robot
@@ -24,6 +24,7 @@ from .servos.plane import honest_servos
 WAYS: dict[str, tuple[int, int, int]] = {"ahead": (1, 0, 0), "back": (-1, 0, 0), "left": (0, 1, 0), "turn": (0, 0, 1)}
 
 ENOUGH = 0.5  # of the commanded speed, where nothing was in the way
+CRAWLS_M_S = 0.005  # Caramelo's crawl makes 8 mm/s where the ground is unknown (chosen)
 _FASTER = 1.001  # a command is limited if it is beyond the limit by more than the core's rounding
 
 
@@ -81,8 +82,8 @@ class WalkSpec:
 
     @property
     def time_limit_s(self) -> float:
-        """Give up after this: the given time, or five times the command's own time plus 20 s."""
-        return self.limit_s or min(3600.0, 20.0 + 5.0 * self.distance_m / self.speed_m_s)
+        """Give up after this: the given time, or five times the command's own time plus 20 s; enough for a crawl."""
+        return self.limit_s or min(3600.0, 20.0 + self.distance_m / min(self.speed_m_s / 5.0, CRAWLS_M_S))
 
 
 class PlannerController:
@@ -168,25 +169,40 @@ def walk_result(spec: WalkSpec, recording: Recording) -> dict[str, Any]:
 def judged(spec: WalkSpec, result: dict[str, Any], *, in_space: bool = False) -> dict[str, Any]:
     """Return a walk's figures with the verdict on the command: arriving is not enough if it was not walked.
 
-    A command above the limits of robot and gait is limited, and so not achieved. A walk below ENOUGH of the commanded
-    speed counts as achieved only if the robot backed off and crawled on: then the reason names the ground.
+    A command above the limits of robot and gait is limited, and so not achieved. A walk below ENOUGH of the asked speed
+    counts as achieved only if the robot backed off and crawled on: then the reason names the ground. Of a gait with a
+    speed of its own no more than that is asked: nothing, if the robot file does not name it.
     """
-    most_m_s, key = Driver(spec.robot, planar=True).speed_limit(spec.gait)
-    limited = f"limited to {most_m_s:.3g} m/s by {key}" if spec.speed_m_s > _FASTER * most_m_s else ""
-    share = result["mean_speed_m_s"] / spec.speed_m_s
-    advice = why_not_advised(spec.robot, spec.gait, spec.speed_m_s, in_space=in_space)
-    more: dict[str, Any] = {"limited": limited, "advice": advice}
+    driver, asked_m_s, limited, enough = Driver(spec.robot, planar=True), spec.speed_m_s, "", ENOUGH
+    most_m_s, key = driver.speed_limit(spec.gait)
+    own_m_s = tried_up_to_m_s(spec.robot, spec.gait)
+    if not driver.has_own_speed(spec.gait):
+        limited = f"limited to {most_m_s:.3g} m/s by {key}" if asked_m_s > _FASTER * most_m_s else ""
+    elif own_m_s is None:
+        enough = 0.0
+    else:
+        asked_m_s = min(asked_m_s, own_m_s)
+    share = result["mean_speed_m_s"] / asked_m_s
+    advice = why_not_advised(spec.robot, spec.gait, asked_m_s, in_space=in_space)
+    more: dict[str, Any] = {"limited": limited, "advice": advice, "asked_speed_m_s": asked_m_s}
     if result["ok"] and limited:
         more |= {"ok": False, "reason": f"{result['reason']}, but {spec.speed_m_s:g} m/s was {limited}"}
-    elif result["ok"] and share < ENOUGH and all(change["to"] != "backing off" for change in result["gait_changes"]):
-        slow = f"at {100 * share:.0f} % of the commanded speed; at least {100 * ENOUGH:.0f} % is asked"
+    elif result["ok"] and share < enough and all(change["to"] != "backing off" for change in result["gait_changes"]):
+        whose = "commanded" if asked_m_s == spec.speed_m_s else f"{spec.gait}'s own"
+        slow = f"at {100 * share:.0f} % of the {whose} speed; at least {100 * ENOUGH:.0f} % is asked"
         more |= {"ok": False, "reason": f"{result['reason']}, but {slow}"}
     return result | more
 
 
+def own_speed_facts(result: dict[str, Any]) -> list[tuple[str, str]]:
+    """Return what was asked of a gait that walks at its own speed, if that is less than the command."""
+    told, asked = result["commanded_speed_m_s"], result["asked_speed_m_s"]
+    return [("command", f"{told:g} m/s; the {result['gait']}'s own speed is {asked:g} m/s")] if asked < told else []
+
+
 def facts(result: dict[str, Any]) -> list[tuple[str, str]]:
     """Return the figures of a walk, judged, as rows of name and value with unit, for people."""
-    share = result["mean_speed_m_s"] / result["commanded_speed_m_s"]
+    share = result["mean_speed_m_s"] / result["asked_speed_m_s"]
     worst = max(result["torque_rms_fraction"], key=lambda name: result["torque_rms_fraction"][name])
     height = f" {1000 * result['height_m']:.0f} mm" if result["height_m"] else ""
     return [
@@ -195,8 +211,8 @@ def facts(result: dict[str, Any]) -> list[tuple[str, str]]:
         ("drives", "honest" if result["honest"] else "simple"),
         *([("not advised", result["advice"])] if result["advice"] else []),
         ("terrain", result["terrain"] + height),
-        ("speed", f"{result['mean_speed_m_s']:.4f} of {result['commanded_speed_m_s']:.4f} m/s ({100 * share:.0f} %)"),
-        *([("command", result["limited"])] if result["limited"] else []),
+        ("speed", f"{result['mean_speed_m_s']:.4f} of {result['asked_speed_m_s']:.4f} m/s ({100 * share:.0f} %)"),
+        *([("command", result["limited"])] if result["limited"] else own_speed_facts(result)),
         ("distance", f"{result['distance_m']:.3f} m in {result['duration_s']:.1f} s"),
         ("pitch range", f"{result['pitch_range_deg']:.1f} deg"),
         *space_facts(result),

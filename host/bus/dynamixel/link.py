@@ -36,6 +36,13 @@ class ServoError(UserError):
         super().__init__(sentence, NOT_ACHIEVED)
 
 
+class Silent(ServoError):
+    """A servo that does not answer."""
+
+    def __init__(self, servo: int) -> None:
+        super().__init__(f"servo id {servo} does not answer: check its cable and power")
+
+
 class Answer(NamedTuple):
     """One servo's good answer: its bytes from an address on, and whether it raises its alert flag."""
 
@@ -84,7 +91,7 @@ class Link:
         return found
 
     def read(self, servo: int, register: Register) -> int:
-        """Return a register, or raise ServoError after a few tries."""
+        """Return a register; Silent after a few tries."""
         with self.patient(PATIENCE_MS):
             for _ in range(RETRIES):
                 args = (self.port, servo, register.address, register.size)
@@ -92,7 +99,7 @@ class Link:
                 if self._count(result) and len(data) == register.size:
                     return t.unpack(register, data, register.address)
                 self._drain()
-        raise ServoError(f"servo id {servo} does not answer: check its cable and power")
+        raise Silent(servo)
 
     def write(self, servo: int, register: Register, value: int) -> None:
         """Write a register; ServoError if the servo does not confirm it."""
@@ -106,7 +113,7 @@ class Link:
                 self._drain()
         why = self.refusal(error)
         self.counters.refused += bool(why)
-        raise ServoError(f"servo id {servo} {'refuses: ' + why if why else 'does not answer: check cable and power'}")
+        raise ServoError(f"servo id {servo} refuses: {why}") if why else Silent(servo)
 
     def set_up(self, servo: int, name: str, settings: Iterable[tuple[Register, int]]) -> None:
         """Let go of a servo and write only settings that differ, as writing wears them. ServoError if it tripped."""
@@ -136,7 +143,7 @@ class Link:
                 if self._count(result):
                     return
                 self._drain()
-        raise ServoError(f"servo id {servo} does not answer: check its cable and power")
+        raise Silent(servo)
 
     @contextmanager
     def patient(self, patience_ms: float) -> Iterator[None]:

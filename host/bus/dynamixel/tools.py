@@ -7,7 +7,7 @@ from typing import Any
 from ...util.errors import UserError
 from ..base import JOINTS
 from . import table as t
-from .link import PING_PATIENCE_MS, Link, ServoError
+from .link import PING_PATIENCE_MS, Link, ServoError, Silent
 from .roll_call import IDS
 
 AGAIN_MS = 20.0  # 241 absent ids then take five seconds (chosen)
@@ -121,10 +121,17 @@ class Status:
 
 
 def status(link: Link, servo: int) -> Status | None:
-    """Return what a servo reports about itself, or None if it does not answer."""
-    model = link.ping(servo)
+    """Return what a servo reports about itself, or None if it does not answer, or no longer."""
+    model = link.ping_patiently(servo)
     if model is None:
         return None
+    try:
+        return _report(link, servo, model)
+    except Silent:
+        return None
+
+
+def _report(link: Link, servo: int, model: int) -> Status:
     return Status(
         id=servo,
         model=model,

@@ -1,10 +1,12 @@
 """`caramelo joints compare`: compares position loops in the joint with loops on the host, in the simulator."""
 
-from typing import Annotated
+from collections.abc import Callable
+from functools import partial
+from typing import Annotated, Any
 
 import typer
 
-from ...util.console import print_table, screen, write_json
+from ...util.console import print_table, progress, screen, write_json
 from ...util.errors import NOT_ACHIEVED
 from .options import Json, RobotName
 
@@ -13,6 +15,7 @@ COLUMNS = {
     "loops": ("loops", "{}"),
     "rate_hz": ("Hz", "{}"),
     "buses": ("buses", "{}"),
+    "walked_s": ("s", "{:.1f}"),
     "speed_m_s": ("m/s", "{:.3f}"),
     "error_rms_deg": ("error deg", "{:.2f}"),
     "error_worst_deg": ("worst", "{:.1f}"),
@@ -30,8 +33,8 @@ def compare(
     """Walk at 0.05 m/s with the position loops in the joint, and on the host in velocity and in current mode.
 
     "error" is set-point minus angle of all twelve motors, rms and worst; "lag" the shift in time that makes it least,
-    and "left" the error that then remains; "body" is the body's least height. Exit code 1 if the robot did not walk
-    with one of the loops.
+    and "left" the error that then remains; "body" is the body's least height; "s" is how long the robot walked. If it
+    is stopped, its walk ends there, and the command with exit code 1.
 
     Example: caramelo joints compare --seconds 3
     """
@@ -40,13 +43,26 @@ def compare(
     from ...robot.file import load_can_robot
 
     data, _ = load_can_robot(robot)
-    rows = [compared(data, *case, seconds).as_dict() for case in CASES]
+    rows: list[dict[str, Any]] = []
+    with progress("walks", seconds * len(CASES)) as show:
+        for case in CASES:
+            before_s = seconds * len(rows)
+            rows.append(compared(data, *case, seconds, partial(_show, show, before_s)).as_dict())
     if as_json:
         write_json({"seconds": seconds, "walks": rows})
     else:
         head = tuple(heading for heading, _ in COLUMNS.values())
-        print_table(head, [tuple(form.format(row[key]) for key, (_, form) in COLUMNS.items()) for row in rows])
+        print_table(head, [tuple(_cell(row[key], form) for key, (_, form) in COLUMNS.items()) for row in rows])
         for row in rows:
             if row["stopped"]:
-                screen().print(f"{row['loops']}, {row['rate_hz']} Hz: {row['stopped']}", soft_wrap=True)
+                name = f"{row['loops']}, {row['rate_hz']} Hz"
+                screen().print(f"{name}: stopped after {row['walked_s']:.1f} s: {row['stopped']}", soft_wrap=True)
     return NOT_ACHIEVED if any(row["stopped"] for row in rows) else 0
+
+
+def _show(show: Callable[[float], None], before_s: float, walked_s: float) -> None:
+    show(before_s + walked_s)
+
+
+def _cell(value: Any, form: str) -> str:
+    return "-" if value is None else form.format(value)

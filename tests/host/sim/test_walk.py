@@ -10,7 +10,7 @@ pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 from host.robot.file import load_robot
 from host.sim.grounds import GroundSpec
 from host.sim.motor.walking import joint_motors, transport
-from host.sim.walk import WalkSpec, facts, judged, run_walk, walk_result
+from host.sim.walk import WalkSpec, facts, judged, own_speed_facts, run_walk, walk_result
 
 CARAMELO, PARALLEL = load_robot("caramelo"), load_robot("parallel")
 TIPS = pytest.mark.xfail(reason="behind the step a front foot finds no ground, and the crawl tips over", strict=True)
@@ -35,10 +35,11 @@ def test_a_gait_by_its_former_name_is_told_its_name_of_today(run):
 
 
 def test_a_walk_that_ends_early_prints_its_table(run):
-    code, out, err = run("walk", "--robot", "parallel", "--gait", "paper-trot", "--speed", "0.1", "--payload", "5")
+    heavy = ("walk", "--robot", "parallel", "--gait", "paper-trot", "--speed", "0.1", "--payload", "5")
+    code, out, err = run(*heavy, "--terrain", "step")
     assert code == 1
     assert err == ""
-    for words in ("not achieved: fell at", "torque rms, % of stall", "largest torque", "falls"):
+    for words in ("not achieved: fell at", "torque rms, % of stall", "largest torque", "falls", "try --in space"):
         assert words in out
     assert "not advised" in out
 
@@ -74,6 +75,29 @@ def test_less_than_half_of_the_command_is_not_achieved_unless_the_ground_was_in_
     told = judged(WalkSpec(CARAMELO, "trot"), figures)
     assert told["ok"] is ok
     assert ("% of the commanded speed" in told["reason"]) is (figures["ok"] and not ok)
+
+
+@pytest.mark.parametrize(("speed", "ok"), [(0.015, True), (0.0085, False)])
+def test_the_crawl_is_judged_by_its_own_speed(speed, ok):
+    told = judged(WalkSpec(CARAMELO, "crawl", 0.05), result(speed=speed))
+    assert told["ok"] is ok
+    assert told["asked_speed_m_s"] == 0.018
+    assert told["limited"] == told["advice"] == ""
+    assert ("% of the crawl's own speed" in told["reason"]) is not ok
+    row = own_speed_facts(told | {"commanded_speed_m_s": 0.05, "gait": "crawl"})
+    assert dict(row)["command"] == "0.05 m/s; the crawl's own speed is 0.018 m/s"
+
+
+def test_of_a_crawl_that_the_file_does_not_name_only_arriving_is_asked():
+    told = judged(WalkSpec(load_robot("solo12"), "crawl", 0.05), result(speed=0.006))
+    assert told["ok"]
+    assert "not tried on this robot" in told["advice"]
+
+
+@pytest.mark.parametrize(("speed", "limit_s"), [(0.05, 320.0), (0.02, 395.0)])
+def test_a_walk_may_last_as_long_as_a_crawl_over_unknown_ground(speed, limit_s):
+    """At 0.05 m/s Caramelo, which crawls over a step of 50 mm at 8 mm/s, timed out before it arrived."""
+    assert WalkSpec(CARAMELO, "trot", speed).time_limit_s == pytest.approx(limit_s)
 
 
 def test_a_gait_that_is_not_advised_is_told():

@@ -61,6 +61,25 @@ def test_the_command_prints_a_walk_of_each_case(capsys, monkeypatch):
     assert [(walk["loops"], walk["rate_hz"], walk["buses"]) for walk in walks] == cases
 
 
+class Stopped(comparing.SimWalk):
+    """A walk that an emergency stop ends after half a second."""
+
+    def stand_up(self):
+        super().stand_up()
+        switch = self.sim.bus_of(2).attach(lambda *frame: None)
+        self.sim.at(500, lambda: switch.send(w.E_STOP_ID, b""))
+
+
+def test_a_walk_that_the_joints_stop_ends_there(capsys, monkeypatch):
+    """Its speed was told over the whole time, its errors over the walk."""
+    monkeypatch.setattr(comparing, "CASES", [case("host-velocity", 200)])
+    monkeypatch.setattr(comparing, "SimWalk", Stopped)
+    assert main(["joints", "compare", "--seconds", "1"]) == 1
+    out = capsys.readouterr().out
+    assert "host-velocity, 200 Hz: stopped after 0.5 s: an emergency stop came over the bus" in out
+    assert out.splitlines()[1].split()[3] == "0.5"
+
+
 def test_two_buses_carry_400_hz_as_busload_says():
     """Each bus within 1 % of the frames really sent on it."""
     with Walker(channel="can0,can1", rate_hz=400) as walker:

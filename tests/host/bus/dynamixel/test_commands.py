@@ -1,10 +1,14 @@
 """`caramelo servos` against the emulated servos, as a user runs it."""
 
 import json
+from contextlib import contextmanager
 
 import pytest
 
 from host.bus.base import JOINT_LABELS
+from host.commands import servos
+
+from .rig import CARAMELO, Rig
 
 
 def test_scan_finds_twelve_and_tells_the_budget(run):
@@ -22,6 +26,56 @@ def test_status_and_monitor(run):
     code, out, _ = run("servos", "monitor", "--sim", "--seconds", "0.5", "--json")
     assert code == 0
     assert len(json.loads(out)["joints"]) == 12
+
+
+@pytest.fixture
+def plugged(monkeypatch):
+    """Twelve servos on the bus of the command, on a clock that stands still."""
+    rig = Rig()
+
+    @contextmanager
+    def port(*arguments):
+        yield CARAMELO, rig.bus.link
+
+    monkeypatch.setattr(servos, "servo_port", port)
+    return rig
+
+
+def test_status_shows_the_others_where_some_are_silent(run, plugged):
+    plugged.emulated.servo(5).missing = plugged.emulated.servo(6).missing = True
+    code, out, err = run("servos", "status", "--sim")
+    assert code == 1
+    assert out.count("12.0") == 10
+    assert out.count("silent") == 2
+    assert err == (
+        "caramelo: silent: FL thigh (id 5), FL calf (id 6): "
+        "check the plugs and cables there, then run: caramelo servos scan\n"
+    )
+    code, out, _ = run("servos", "status", "--sim", "--json")
+    assert [row["id"] for row in json.loads(out)["servos"] if row["silent"]] == [5, 6]
+
+
+def test_status_goes_on_after_a_servo_that_falls_silent_while_it_is_asked(run, plugged, monkeypatch):
+    link = plugged.bus.link
+    ping = link.ping
+
+    def loosen(servo, *arguments, **options):
+        model = ping(servo, *arguments, **options)
+        plugged.emulated.servo(servo).missing = servo == 3
+        return model
+
+    monkeypatch.setattr(link, "ping", loosen)
+    code, out, err = run("servos", "status", "--sim")
+    assert (code, out.count("12.0"), err.count("FR calf (id 3)")) == (1, 11, 1)
+
+
+def test_status_where_nobody_answers_asks_for_the_power(run, plugged):
+    for servo in plugged.servos:
+        servo.missing = True
+    code, _, err = run("servos", "status", "--sim")
+    assert code == 1
+    assert "no servo answers on" in err
+    assert "is the power on?" in err
 
 
 def test_numbering_switching_restarting(run):
