@@ -140,19 +140,13 @@ class CanJoint:
         assert joint.parameters.save()
 
     def _step(self, what, address, value):
+        """Count what is programmed and erased; the model leaves half done what is under way when the power goes."""
         self.done += 1
         if self.done == self.cut_at:
-            self._half(what, address, value)
-            raise PowerOff
+            self.chip.at(self.chip.now + 1, self._lose_power)
 
-    def _half(self, what, address, value):
-        """Leave what was under way half done: the first byte of a word, the first half of a sector."""
-        contents, at = self.chip.flash.contents, address - BASE
-        if what == "program":
-            contents[at] &= value & 0xFF
-        else:
-            size = 1024 * (64 if value == 4 else 128 if value > 4 else 16)
-            contents[at : at + size // 2] = b"\xff" * (size // 2)
+    def _lose_power(self):
+        raise PowerOff
 
     def time_us(self):
         """Return the time as the joint's own clock has it."""
