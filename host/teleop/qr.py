@@ -1,10 +1,10 @@
 """The page's address with the pairing code, for a phone's camera: a QR code of half blocks, black on white."""
 
+import io
 import socket
 from typing import TextIO
 
-BLOCKS = {(0, 0): " ", (1, 0): "▀", (0, 1): "▄", (1, 1): "█"}  # for a module and the one below it
-INK, PLAIN = "\x1b[30;107m", "\x1b[0m"  # independent of the terminal's colours
+WHITE, PLAIN = "\x1b[97;40m", "\x1b[0m"  # of the light modules, which are drawn; independent of the terminal's colours
 QUIET = 2  # modules around it
 
 
@@ -12,12 +12,9 @@ def qr_lines(text: str) -> list[str]:
     """Return the lines of a QR code (ISO/IEC 18004), each with its colours."""
     import segno
 
-    code = segno.make_qr(text, error="l")
-    rows = [list(row) for row in code.matrix_iter(border=QUIET)]
-    if len(rows) % 2:
-        rows.append([0] * len(rows[0]))
-    pairs = zip(rows[::2], rows[1::2], strict=True)
-    return [INK + "".join(BLOCKS[pair] for pair in zip(*both, strict=True)) + PLAIN for both in pairs]
+    drawn = io.StringIO()
+    segno.make_qr(text, error="l").terminal(drawn, border=QUIET, compact=True)
+    return [WHITE + line + PLAIN for line in drawn.getvalue().splitlines()]
 
 
 def shows_blocks(stream: TextIO) -> bool:

@@ -1,11 +1,12 @@
 """A gait board fed with blocks of a stream while the heap is locked; runs on CPython and in MicroPython alike."""
 
-import shared.crawl.crawl  # noqa: F401, first: the VM's stack is too small for all of the planner's imports in one another
 from firmware.gait import GaitBoard
 from firmware.gait_main import BLOCK_BYTES, take_block
 from firmware.link import crc16
 from firmware.mpu6050 import Mpu6050
-from shared.record import pack
+from shared.body.params import Params
+from shared.record import pack, unpack
+from shared.sense.attitude import Attitude
 
 
 class I2c:
@@ -51,8 +52,11 @@ def values_of(block):
 
 
 def run(params, attitude, blocks, lock, unlock):
-    """Take each block and plan a tick after it; return what was sent and how the board ended."""
-    board = GaitBoard(params, attitude, Mpu6050(I2c(), sleep_ms=lambda ms: None))
+    """Take each block and plan a tick after it; return what was sent and how the board ended.
+
+    ``params`` and ``attitude`` are their integers.
+    """
+    board = GaitBoard(unpack(Params(), params), unpack(Attitude(), attitude), Mpu6050(I2c(), sleep_ms=lambda ms: None))
     stream, data = Stream(blocks), bytearray(BLOCK_BYTES)
     states = faults = 0
     for _ in range(len(blocks)):

@@ -176,3 +176,10 @@ class Storm:
         counts = [self.digest, self.ms, self.enabled, self.locked, self.exceptions, self.wrong_torque]
         counts.extend([self.faults, self.resets])
         return counts
+
+
+def run(stored, frames, lock, unlock):
+    """Let the storm come over a joint with these parameters; return its figures."""
+    storm = Storm(stored, lock, unlock)
+    storm.run(frames)
+    return storm.figures()

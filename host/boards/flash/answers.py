@@ -1,4 +1,7 @@
-"""The shapes of a board's answers: its lines are checked against them before anything uses them."""
+"""The shapes of a board's answers: its lines are checked against them before anything uses them.
+
+An answer of a single value needs none: it is a bool, a str, or a list of Sector.
+"""
 
 from typing import Annotated
 
@@ -20,24 +23,6 @@ class Answer(BaseModel):
     """Common to all answers: every field is there and has its type; no type is converted."""
 
     model_config = ConfigDict(strict=True, frozen=True)
-
-
-class Truth(Answer):
-    """The answer to a yes-no question."""
-
-    yes: bool
-
-
-class Sectors(Answer):
-    """The sectors to erase, from low to high."""
-
-    sectors: list[Sector]
-
-
-class Log(Answer):
-    """The board's log."""
-
-    log: str
 
 
 class Held(Answer):

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from firmware.flash_map import HEADER
 
-from .answers import Log, Report, Sectors, Survey, Truth
+from .answers import Report, Sector, Survey
 from .link import BoardError, BoardLink, BoardScriptError
 
 CHUNK = 2048  # bytes of an image that a script carries (chosen)
@@ -37,10 +37,10 @@ answer({"version": list(sys.implementation[1])[:3], "report": start.report(), "s
 """
 _BEGIN = """
 from firmware import application
-answer({"sectors": u.begin(binascii.a2b_base64(%r), application.armed())})
+answer(u.begin(binascii.a2b_base64(%r), application.armed()))
 """
 _BEGIN_BROKEN = """
-answer({"sectors": u.begin(binascii.a2b_base64(%r), False)})
+answer(u.begin(binascii.a2b_base64(%r), False))
 """
 
 
@@ -71,8 +71,7 @@ class Board:
 
     def is_whole(self, slot: int) -> bool:
         """Return True if the board reads the image in a slot as its header says."""
-        script = f"answer({{'yes': bool(u.is_whole({slot}, start.feed))}})"
-        return self.link.ask(script, Truth, HASH_TIMEOUT_S).yes
+        return self.link.ask(f"answer(bool(u.is_whole({slot}, start.feed)))", bool, HASH_TIMEOUT_S)
 
     def write(self, data: bytes, progress: Callable[[float, float], None]) -> None:
         """Write a slot's bytes, header first among them, into the slot that does not run, and compare."""
@@ -91,12 +90,11 @@ class Board:
         """Let the board check the header; return the sectors to erase."""
         packed = base64.b64encode(head)
         try:
-            answer = self.link.ask(_BEGIN % packed, Sectors)
+            return self.link.ask(_BEGIN % packed, list[Sector])
         except BoardScriptError as error:
             if "UpdateError" in str(error):
                 raise
-            answer = self.link.ask(_BEGIN_BROKEN % packed, Sectors)  # what can't be imported arms nothing
-        return answer.sectors
+            return self.link.ask(_BEGIN_BROKEN % packed, list[Sector])  # what can't be imported arms nothing
 
     def activate(self) -> None:
         """Let the other slot start next, on trial."""
@@ -112,14 +110,13 @@ class Board:
 
     def set_node(self, node: int) -> None:
         """Store the joint's id for its next start; BoardError if the settings are full."""
-        script = f"answer({{'yes': bool(start.journal.put('node', bytes([{node}])))}})"
-        if not self.link.ask(script, Truth).yes:
+        if not self.link.ask(f"answer(bool(start.journal.put('node', bytes([{node}]))))", bool):
             raise BoardError(f"{self.link.port}: the board did not store the id: reset it, then flash again")
 
     def node_waits(self) -> bool:
         """Return True if the joint has not taken over the stored id."""
-        return self.link.ask("answer({'yes': bool(start.journal.get('node'))})", Truth).yes
+        return self.link.ask("answer(bool(start.journal.get('node')))", bool)
 
     def log(self) -> str:
         """Return the board's log."""
-        return self.link.ask("answer({'log': start.log()})", Log).log
+        return self.link.ask("answer(start.log())", str)

@@ -164,7 +164,7 @@ class BoardLink:
 
 def _unreadable(port: str, first: Mapping[str, Any]) -> BoardError:
     """Return what is wrong with an answer; ``first`` is pydantic's first complaint."""
-    place = ".".join(str(part) for part in first["loc"])
+    place = ".".join(str(part) for part in first["loc"]) or "all of it"
     return BoardError(f"{port}: the board's answer can't be read: {place}: {first['msg']}: reset it and try again; "
                       f"if that does not help, install its MicroPython again (docs/flashing.md)"[:400])
 

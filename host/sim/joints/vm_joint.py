@@ -1,19 +1,17 @@
 """A simulated joint's inside in a MicroPython VM of its own: the firmware's files, compiled, behind a pipe."""
 
 import json
+import os
 import select
-import struct
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from ...util.child import end_child
 from ...util.errors import NOT_ACHIEVED, UserError
-from .vm import messages as m
 
 ANSWER_S = 60.0  # a loaded machine takes long to start a VM; after it there is one millisecond's work at a time
 END_S = 5.0
@@ -36,66 +34,56 @@ class VmInside:
         command = [sys.executable, "-m", "micropython_unix", "-X", "heapsize=4M", "-c", script]
         # A session of its own: Ctrl-C in the terminal ends the simulation, not its joints one by one.
         return subprocess.Popen(
-            command, cwd=vm_tree(), stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0, start_new_session=True
+            command, cwd=vm_tree(), stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True
         )
 
     def boot(self, *arguments: Any) -> None:
         """See Inside."""
-        self._process = self._process or self._start()
-        order = {"unique_id": list(self._unique_id), "arguments": arguments}
-        self._ask(m.BOOT, json.dumps(order).encode())
+        if self._process is None:
+            self._process = self._start()
+            self._write(list(self._unique_id))
+        self._do("boot", *arguments)
 
     def frame(self, identifier: int, data: bytes, room: int) -> None:
         """See Inside."""
-        self._ask(m.FRAME, struct.pack(m.FRAME_BODY, identifier, len(data), min(room, 255), data))
+        self._do("frame", identifier, list(data), room)
 
-    def tick(
-        self,
-        now_us: int,
-        sensors: Sequence[int],
-        rotors: Sequence[int],
-        joint: int,
-        raw: Sequence[int],
-        room: int,
-    ) -> None:
+    def tick(self, *arguments: Any) -> None:
         """See Inside."""
-        body = struct.pack(m.TICK_BODY, now_us, *sensors, joint, *raw, min(room, 255), len(rotors))
-        self._ask(m.TICK, body + struct.pack(f"<{len(rotors)}H", *rotors))
+        self._do("tick", *arguments)
 
     def sent(self) -> list[tuple[int, bytes]]:
         """See Inside."""
         frames, self._frames = self._frames, []
         return frames
 
-    def _ask(self, kind: int, body: bytes) -> None:
-        process = self._process
-        assert process is not None
-        assert process.stdin is not None
+    def _do(self, method: str, *arguments: Any) -> None:
+        """Have the VM call a method of its Inside, and take what that left."""
+        self._write([method, arguments])
+        self.bridge, self.q_ref, self.resets, pairs, frames = json.loads(self._read())
+        pairs = [(wanted, mask) for wanted, mask in pairs]
+        if pairs != self.pairs:
+            self.pairs = pairs
+        self._frames += [(identifier, bytes(data)) for identifier, data in frames]
+
+    def _write(self, value: Any) -> None:
+        assert self._process is not None
+        assert self._process.stdin is not None
         try:
-            process.stdin.write(struct.pack(m.HEAD, kind, len(body)) + body)
+            os.write(self._process.stdin.fileno(), json.dumps(value).encode() + b"\n")
         except OSError as error:
             raise self._gone() from error
-        self.bridge, self.resets, self.q_ref, filters, frames = struct.unpack(m.ANSWER, self._read(m.ANSWER_SIZE))
-        if filters != m.UNCHANGED:
-            packed = self._read(filters * m.FILTER_SIZE)
-            self.pairs = list(struct.iter_unpack(m.FILTER, packed))
-        if frames:
-            for identifier, length, data in struct.iter_unpack(m.SENT, self._read(frames * m.SENT_SIZE)):
-                self._frames.append((identifier, data[:length]))
 
-    def _read(self, count: int) -> bytes:
-        process = self._process
-        assert process is not None
-        assert process.stdout is not None
-        data = b""
-        while len(data) < count:
-            if not select.select([process.stdout], [], [], ANSWER_S)[0]:
-                raise UserError(f"a joint's MicroPython VM has not answered for {ANSWER_S:g} s", NOT_ACHIEVED)
-            part = process.stdout.read(count - len(data))
-            if not part:
-                raise self._gone()
-            data += part
-        return data
+    def _read(self) -> bytes:
+        """Return the one line that answers a line."""
+        assert self._process is not None
+        assert self._process.stdout is not None
+        if not select.select([self._process.stdout], [], [], ANSWER_S)[0]:
+            raise UserError(f"a joint's MicroPython VM has not answered for {ANSWER_S:g} s", NOT_ACHIEVED)
+        line = self._process.stdout.readline()
+        if not line:
+            raise self._gone()
+        return line
 
     def _gone(self) -> UserError:
         assert self._process is not None

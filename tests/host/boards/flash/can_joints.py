@@ -4,11 +4,7 @@ Each start is decided by the loader's own C (loader.py). A joint has the receive
 and is deaf while its processor stands still: for an erase and a half word as long as the model of the flash takes.
 """
 
-import random
 import threading
-from functools import partial
-
-import can
 
 from firmware.board_sim import SimBoard
 from firmware.chip_flash import ChipFlash
@@ -17,8 +13,6 @@ from firmware.joint import Joint
 from firmware.settings import Journal
 from firmware.update import Update
 from host.boards.build.image_file import make_image
-from host.bus.can.adapter import AdapterPort
-from host.bus.can.load import frame_bits
 from host.sim.chip.chip import Chip
 from host.sim.chip.view import View
 from host.sim.joints.bus import SimBus
@@ -146,19 +140,13 @@ class CanJoint:
         assert joint.parameters.save()
 
     def _step(self, what, address, value):
+        """Count what is programmed and erased; the model leaves half done what is under way when the power goes."""
         self.done += 1
         if self.done == self.cut_at:
-            self._half(what, address, value)
-            raise PowerOff
+            self.chip.at(self.chip.now + 1, self._lose_power)
 
-    def _half(self, what, address, value):
-        """Leave what was under way half done: the first byte of a word, the first half of a sector."""
-        contents, at = self.chip.flash.contents, address - BASE
-        if what == "program":
-            contents[at] &= value & 0xFF
-        else:
-            size = 1024 * (64 if value == 4 else 128 if value > 4 else 16)
-            contents[at : at + size // 2] = b"\xff" * (size // 2)
+    def _lose_power(self):
+        raise PowerOff
 
     def time_us(self):
         """Return the time as the joint's own clock has it."""
@@ -302,68 +290,3 @@ class Bench:
 def running(joints):
     """Return the builds that run."""
     return {joint.build for joint in joints}
-
-
-class VirtualPort(AdapterPort):
-    """The host's end of python-can's virtual bus, in simulated time: a frame takes its bits, waiting takes its time.
-
-    ``loss``: the share of frames that each receiver does not hear, drawn for each. The joints' ends are buses of their
-    own.
-    """
-
-    def __init__(self, joints, channel, loss=0.0, seed=0):
-        super().__init__("virtual", channel, 1_000_000)
-        self.joints, self.loss, self._random = joints, loss, random.Random(seed)
-        self.time_us, self.bits, self._ms = 0.0, 0, 0
-        self._ends = []
-        for joint in joints:
-            end = can.Bus(interface="virtual", channel=channel)
-            joint.send = partial(self._say, end)
-            self._ends.append(end)
-
-    def _say(self, end, identifier, data):
-        end.send(can.Message(arbitration_id=identifier, data=data, is_extended_id=False))
-        self._pass(identifier, data)
-        return True
-
-    def _pass(self, identifier, data):
-        bits = frame_bits(identifier, data)
-        self.bits += bits
-        self.time_us += bits
-
-    def send(self, identifier, data):
-        sent = super().send(identifier, data)
-        self._pass(identifier, data)
-        self._carry()
-        return sent
-
-    def receive(self):
-        found = super().receive()
-        while found is not None and self._random.random() < self.loss:
-            found = super().receive()
-        return found
-
-    def now(self):
-        return self.time_us * 1e-6
-
-    def _carry(self):
-        """Hand the joints what has come for them."""
-        for joint, end in zip(self.joints, self._ends, strict=True):
-            while (message := end.recv(timeout=0)) is not None:
-                if self._random.random() >= self.loss:
-                    joint.deliver(self.time_us, message.arbitration_id, bytes(message.data))
-
-    def wait_until(self, time_s):
-        self._carry()
-        while (self._ms + 1) * 1000 <= max(self.time_us, time_s * 1e6):
-            self._ms += 1
-            for joint in self.joints:
-                joint.tick(self._ms * 1000)
-            self._carry()
-        self.time_us = max(self.time_us, time_s * 1e6)
-
-    def close(self):
-        super().close()
-        for end in self._ends:
-            end.shutdown()
-        self._ends = []

@@ -13,7 +13,7 @@ from host.sim.joints.sim_robot import SimPort
 from host.util.errors import UserError
 from shared.wire import names as w
 
-from .can_joints import Bench, CanJoint, VirtualPort, image_of, running
+from .can_joints import Bench, CanJoint, image_of, running
 
 OLD = image_of(1, "old")
 NEW = image_of(2)
@@ -84,16 +84,6 @@ def test_twelve_joints_get_a_whole_image(longest, most_s):
         joint.chip.flash.longest = longest
     seconds, bits = flash_timed(robot, image_of(388), most_s)
     print(f"{seconds:.1f} s, {bits} bits, at most {robot.bench.peak_load():.3f} of the bus in 100 ms")
-
-
-def test_over_python_can_with_frames_lost():
-    joints = [CanJoint(node, OLD) for node in ALL]
-    with VirtualPort(joints, "flash", loss=0.01, seed=4) as port:
-        port.wait_until(1.5)
-        work = CanFlash(UpdateBus(port, KEY), NEW, ALL)
-        work.survey()
-        assert [outcome.failure for outcome in work.run()] == [""] * 12
-    assert running(joints) == {NEW.about.build}
 
 
 class Shuffled(SimPort):
@@ -181,8 +171,12 @@ def test_power_that_goes_in_any_of_many_writes_leaves_joints_that_start():
     print(f"{len(found)} cuts: {len(found) - new} start the old firmware, {new} the new, 0 none")
 
 
-def bus_lost(blocks):
-    """Take the bus away after so many blocks; return the builds that run half a minute later."""
+BLOCKS = 86 + len(NEW.slots[1][HEADER:]) // 6  # of the header and the image
+MANY = [pytest.param(at, marks=pytest.mark.slow) for at in range(1, BLOCKS, BLOCKS // 40)]
+
+
+@pytest.mark.parametrize("blocks", [10, 90, 300, *MANY])
+def test_a_bus_that_goes_after_so_many_blocks_leaves_the_old_firmware(blocks):
     robot = Robot([1, 2])
     send, left = robot.port.node.send, [blocks]
 
@@ -199,7 +193,7 @@ def bus_lost(blocks):
     with pytest.raises(UserError):
         robot.flash()
     robot.bench.settle(15.0)
-    found = running(robot.joints)
+    assert running(robot.joints) == {OLD.about.build}
     assert all(joint.starts == 2 for joint in robot.joints)  # each has left the update by itself
     robot.port.node.send = send
     for node in robot.bench.nodes:
@@ -207,19 +201,6 @@ def bus_lost(blocks):
     robot.bench.settle(1.0)
     robot.flash(key=KEY + 1)
     assert all_run(robot, NEW)
-    return found
-
-
-@pytest.mark.parametrize("blocks", [10, 90, 300])
-def test_a_bus_that_goes_leaves_the_old_firmware(blocks):
-    assert bus_lost(blocks) == {OLD.about.build}
-
-
-@pytest.mark.slow
-def test_a_bus_that_goes_at_any_of_many_blocks_leaves_the_old_firmware():
-    blocks = 86 + len(NEW.slots[1][HEADER:]) // 6
-    for at in range(1, blocks, blocks // 40):
-        assert bus_lost(at) == {OLD.about.build}
 
 
 def test_a_joint_of_another_protocol_is_told_of_and_updated():

@@ -6,34 +6,21 @@ import pytest
 
 from firmware.can_update import VERSION
 from host.boards.build.image_file import write_image_file
+from host.sim.joints.sim_robot import SimPort
 from shared.wire import names as w
 
-from .can_joints import CanJoint, VirtualPort, image_of, running
+from .can_joints import Bench, CanJoint, image_of, running
 
 OLD, NEW = image_of(1, "old"), image_of(2)
 
 
 @pytest.fixture
 def robot(monkeypatch):
-    """Return two joints; the command's port to them is python-can's virtual bus, in simulated time."""
-    joints = [CanJoint(node, OLD) for node in (4, 5)]
-    clock = [0.0]
-
-    def opened(bus, interface, channel):
-        port = VirtualPort(joints, channel or "robot")
-        port.wait_until(clock[0] + 1.5)
-        clock[0] = port.now()
-        closed = port.close
-
-        def close():
-            clock[0] = port.now()
-            closed()
-
-        port.close = close
-        return port
-
-    monkeypatch.setattr("host.bus.can.open.open_port", opened)
-    return joints
+    """Return two joints on a simulated bus, whose end is the command's port."""
+    bench = Bench([CanJoint(node, OLD) for node in (4, 5)])
+    bench.settle()
+    monkeypatch.setattr("host.bus.can.open.open_port", lambda bus, interface, channel: SimPort(bench))
+    return bench.joints
 
 
 @pytest.fixture
