@@ -17,11 +17,12 @@ from .drives import joint_drives
 from .model import Robot
 
 _LEG_MM = 240  # the leg that the table's lengths belong to
+_HEIGHT_MM = 185  # of its hips, from which the body has the table's accelerations
 _STRIDE_MM = 90  # the longest
 _LEAST_BEND = round(32768 * 30 / 180)  # brad, of a calf: the joints' errors show a foot's load times its sine
 _SECOND_US = 1_000_000
 _MM_THOUSANDTHS = 1_000_000  # in a metre
-_BODY = "lu / s^2"  # the body's accelerations are the same for any leg: gravity is
+_BODY = "lu / s^2"  # the body's accelerations do not go with the leg: gravity does not
 # The core's unit -> how a field's name ends, how its key ends in the file, how many of the table's units are 1 in SI
 _UNITS = {
     "lu": ("", "_m", 1000),
@@ -102,10 +103,11 @@ def _scaled(value: int, unit: str, params: Params) -> int:
 def _shape(params: Params) -> None:
     """Write what follows from hips and legs: the hips are carried at 0.865 of the straightest leg.
 
-    Caramelo's are at 185 mm of 214: straighter knees need less torque. No leg gets so straight that it does not feel
-    its load: Solo 12 and SpotMicro did not notice the ground behind a drop. A trot's foot goes no higher than half way
-    from the hip's offset to the shortest leg below the hip (clearance): up to there, its leg's direction turns by no
-    more than the foot's way over that depth. Above it the joints reach only to the ends of thigh and calf.
+    Caramelo's are at 185 mm of 214: straighter knees need less torque. The lower they are for the leg, the faster the
+    body may be: the zero-moment point stays as far inside the support as Caramelo's. No leg gets so straight that it
+    does not feel its load: Solo 12 and SpotMicro did not notice the ground behind a drop. A trot's foot goes no higher
+    than half way from the hip's offset to the shortest leg below the hip (clearance): up to there, its leg's direction
+    turns by no more than the foot's way over that depth. Above it the joints reach only to the ends of thigh and calf.
     """
     crawl, front = params.crawl, params.legs[FR]
     length = front.hip.x - params.legs[RR].hip.x
@@ -117,6 +119,8 @@ def _shape(params: Params) -> None:
     straight = min(32767, *(far for far, _ in bends))
     feeling = min(straight, *(bent_length(params.legs[leg], _LEAST_BEND) for leg in range(LEGS)))
     crawl.height = straight * 173 // 200
+    for name in ("body_acceleration", "quick_body_acceleration"):
+        setattr(crawl, name, getattr(crawl, name) * params.leg_length * _HEIGHT_MM // (crawl.height * _LEG_MM))
     crawl.reach = feeling - feeling // 49
     crawl.swing_reach = feeling - feeling // 240
     crawl.folded = max(near + near // 72 for _, near in bends)
@@ -136,7 +140,7 @@ def _calm(params: Params, robot: Robot) -> None:
 
 def _feel(params: Params, robot: Robot) -> None:
     """Lower the least loads of a contact where the joints rub less: down to half."""
-    coulomb_Nm = max(joint.coulomb_Nm for joint in joint_drives(robot)[THIGH : CALF + 1])
+    coulomb_Nm = sum(joint.coulomb_Nm for joint in joint_drives(robot)[THIGH : CALF + 1]) / 2
     weight_Nm = robot.mass_kg * GRAVITY_M_S2 * robot.geometry.leg_m / 2
     share = max(0.5, min(1.0, coulomb_Nm / weight_Nm / _FRICTION_SHARE))
     for name in ("touch_q12", "peak_q12"):
