@@ -42,7 +42,7 @@ _KEYS = {name.removesuffix(_UNITS[place.unit][0]) + _UNITS[place.unit][1]: name 
 _CALM_1_S = 10.0
 # Friction of a thigh or calf joint, as a share of the weight on a foot half a leg away, from which a contact has the
 # table's least loads: Caramelo's. A1's is 0.008, and the same loads tip it over before it notices them
-_FRICTION_SHARE = 0.023
+_FRICTION_SHARE = 0.0215
 _MOST_LAG_S = 0.062  # the core keeps the goals of 31 ticks, at up to 500 Hz
 
 
