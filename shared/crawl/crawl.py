@@ -16,7 +16,7 @@ from .footholds import follow_front_feet, footholds_start
 from .goals import bridge, legs_goals, plan_loads
 from .map import fit_body, follow_slips, roll_feet
 from .pose import hold_pose
-from .state import PAST_SIZE, Crawl, Map, Support
+from .state import PAST_SIZE, REST, Crawl, Map, Support
 from .steps import start_stages, take_stage
 
 _OWN_Q12 = const(4096)
@@ -116,11 +116,13 @@ def crawl_tick(
 
     sensing: the block of sense_legs after this tick's reading. ahead_lf: how far the command wants to go in
     this tick, lf; 0 or less stops it when the leg in the air stands. Flags are those of reach_foot and
-    limit_legs.
+    limit_legs. While it rests its goals stay: moved on towards where it should be, or is, its legs would be held by
+    friction and feel no load.
     """
     estimate(crawl, sensing, measured, roll_brad, pitch_brad)
     take_stage(crawl, ahead_lf)
-    hold_pose(crawl)
+    if crawl.stage.stage != REST:
+        hold_pose(crawl)
     plan_loads(crawl)
     return legs_goals(crawl, joints)
 
@@ -132,7 +134,8 @@ def estimate(crawl: Crawl, sensing: Sensing, measured: Ints, roll_brad: int, pit
     rebase(crawl)
     roll_feet(crawl, measured)
     fit_body(crawl, sensing)
-    follow_slips(crawl)
+    if crawl.stage.stage != REST:
+        follow_slips(crawl)
     follow_front_feet(crawl)
     weigh(crawl.params, sensing, crawl.support)
 

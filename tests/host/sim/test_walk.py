@@ -21,10 +21,16 @@ def result(ok=True, speed=0.05, changes=()):
     return {"ok": ok, "reason": "arrived" if ok else "fell", "mean_speed_m_s": speed, "gait_changes": list(changes)}
 
 
-@pytest.mark.parametrize("start_m", [0.27, 0.3, pytest.param(0.31, marks=TIPS)])
+@pytest.mark.parametrize("start_m", [0.27, 0.3, 0.31, pytest.param(0.37, marks=TIPS)])
 def test_the_crawl_goes_over_a_low_step_in_the_plane(start_m):
     ground = GroundSpec("step", height_m=0.03, start_m=start_m, length_m=0.3)
     assert run_walk(WalkSpec(CARAMELO, "crawl", ground=ground, distance_m=1.0)).outcome.ok
+
+
+@pytest.mark.parametrize("speed_m_s", [0.005, 0.01])
+def test_a_crawl_that_rests_in_between_feels_that_it_stands(speed_m_s):
+    """Its goals went on to where the feet were seen, friction held its legs, and it took itself for lifted."""
+    assert run_walk(WalkSpec(CARAMELO, "crawl", speed_m_s, distance_m=0.3)).outcome.ok
 
 
 def test_a_gait_by_its_former_name_is_told_its_name_of_today(run):
