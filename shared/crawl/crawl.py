@@ -53,7 +53,7 @@ def forget(crawl: Crawl) -> None:
     for leg in range(LEGS):
         support.stance[leg] = 0
         support.force_q12[leg] = 0
-    support.heavy_q12 = 0
+    support.payload_q12 = 0
     support.warp = 0
     for axis in range(POSE_AXES):
         crawl.path.integral[axis] = 0
@@ -154,7 +154,7 @@ def weigh(params: Params, sensing: Sensing, support: Support) -> None:
     support.weight_q20 += fraction(gap, params.crawl.weight_q15)
     support.weight_q12 = saturate(support.weight_q20 >> 8, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
     payload = saturate(support.weight_q12, _OWN_Q12, _MOST_WEIGHT_Q12) - _EMPTY_Q12
-    support.heavy_q12 = saturate(payload * 2, 0, 4096)
+    support.payload_q12 = saturate(payload * 2, 0, 4096)
 
 
 @hot
@@ -209,7 +209,7 @@ def move_origin(crawl: Crawl, axis: int, by: int) -> None:
         swing.departure[axis] -= by
     else:
         swing.ground -= by
-        swing.top -= by
+        swing.apex -= by
     if axis == 0:
         for at in range(PAST_SIZE):
             crawl.contact.past[at] -= by

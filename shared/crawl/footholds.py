@@ -34,7 +34,7 @@ def footholds_start(crawl: Crawl) -> None:
             foothold.z = hind.z + gap_z * sixths // 6
         queue.waiting = 3
         queue.guessed = 2 + side
-        queue.taken = 1 - side
+        queue.occupied = 1 - side
 
 
 @hot
@@ -81,7 +81,7 @@ def follow_front_feet(crawl: Crawl) -> None:
     """Let the footholds on which front feet stand follow them in the map."""
     for side in range(2):
         queue = crawl.footholds.sides[side]
-        if crawl.support.stance[side] and queue.taken and queue.waiting:
+        if crawl.support.stance[side] and queue.occupied and queue.waiting:
             foothold_keep(crawl.map, crawl.footholds, side)
 
 
@@ -104,20 +104,25 @@ def foothold_drop(footholds: Footholds, side: int) -> None:
 
 @hot
 def aim(crawl: Crawl, leg: int) -> None:
-    """Choose the foothold of ``leg``, its expected height and the top of the swing."""
+    """Choose the foothold of ``leg``, its expected height and the apex of the swing."""
     if leg < RR:
         aim_front(crawl, leg)
-    elif strides_out(crawl.even):
+        return
+    if strides_out(crawl.even):
         stride_hind(crawl, leg)
     else:
         aim_hind(crawl, leg)
+    apex = crawl.map.feet[leg].z
+    if crawl.swing.ground > apex:
+        apex = crawl.swing.ground
+    crawl.swing.apex = apex + (crawl.params.crawl.hind_lift << LF_BITS)
 
 
 @hot
 def aim_front(crawl: Crawl, leg: int) -> None:
     """Aim half a stride beyond the other front foot, 0.5 .. 1.4 strides beyond the own, on the slope.
 
-    The top is a front foot's lift above the higher of both front feet, the other counting only if it stands before
+    The apex is a front foot's lift above the higher of both front feet, the other counting only if it stands before
     or at the target: what it stands on may begin right here.
     """
     params = crawl.params
@@ -135,7 +140,7 @@ def aim_front(crawl: Crawl, leg: int) -> None:
     swing.ground = z + expected_rise(crawl, target - x)
     if other.z > z and other.x <= target + (params.crawl.riser_lag * 5 // 3 << LF_BITS):
         z = other.z
-    swing.top = z + (params.crawl.front_lift << LF_BITS)
+    swing.apex = z + (params.crawl.front_lift << LF_BITS)
 
 
 @hot
@@ -146,7 +151,6 @@ def aim_hind(crawl: Crawl, leg: int) -> None:
     foot = crawl.map.feet[leg]
     side = leg - RR
     queue = crawl.footholds.sides[side]
-    top = foot.z
     swing.known = 0
     if queue.waiting > 0:
         if queue.guessed == 0:
@@ -158,11 +162,8 @@ def aim_hind(crawl: Crawl, leg: int) -> None:
     else:
         swing.target.x = foot.x + (params.crawl.stride << LF_BITS)
         swing.target.y = foothold_line(params, side)
-        swing.target.z = top
+        swing.target.z = foot.z
     swing.ground = swing.target.z
-    if swing.ground > top:
-        top = swing.ground
-    swing.top = top + (params.crawl.hind_lift << LF_BITS)
 
 
 @hot
@@ -184,10 +185,6 @@ def stride_hind(crawl: Crawl, leg: int) -> None:
     swing.target.z = foot.z
     swing.ground = foot.z + expected_rise(crawl, ahead)
     crawl.footholds.sides[side].waiting = 0
-    top = foot.z
-    if swing.ground > top:
-        top = swing.ground
-    swing.top = top + (params.crawl.hind_lift << LF_BITS)
 
 
 @hot
@@ -203,8 +200,9 @@ def lay_between(crawl: Crawl, leg: int) -> None:
     for axis in range(3):
         queue.places[2][axis] = queue.places[0][axis]
     step = (queue.places[0].x - foot.x) // 3
-    if step > stride_lf(crawl):
-        step = stride_lf(crawl)
+    stride = crawl.params.crawl.stride << LF_BITS
+    if step > stride:
+        step = stride
     for place in range(2):
         queue.places[place].x = foot.x + step * (place + 1)
         queue.places[place].y = queue.places[2].y

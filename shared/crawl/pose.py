@@ -93,7 +93,7 @@ def mass_target(crawl: Crawl, leg: int, wanted_x: int) -> None:
 @hot
 def resting_x(crawl: Crawl) -> int:
     """Return x in lu of the map where the centre of mass is to be without other wishes: the middle, ahead if heavy."""
-    return (mean_foot(crawl.map, 0) >> LF_BITS) + (crawl.params.crawl.heavy_forward * crawl.support.heavy_q12 >> 12)
+    return (mean_foot(crawl.map, 0) >> LF_BITS) + (crawl.params.crawl.payload_forward * crawl.support.payload_q12 >> 12)
 
 
 @hot
@@ -128,7 +128,7 @@ def plan_body(crawl: Crawl, skip: int) -> int:
     pitch = feet_pitch(params, map)
     pose.x = crawl.point.x - mass_ahead(params, pitch)
     pose.y = crawl.point.y
-    height = params.crawl.height + (params.crawl.heavy_height * crawl.support.heavy_q12 >> 12)
+    height = params.crawl.height + (params.crawl.payload_height * crawl.support.payload_q12 >> 12)
     pose.z = (mean_foot(map, 2) >> LF_BITS) + height
     pose.roll = 0
     pose.pitch = pitch

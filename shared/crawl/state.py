@@ -53,7 +53,7 @@ class Support:
     load_q12: Ints = vector(LEGS, "own weight", "force that it should have")
     weight_q20: int = field("own weight", "carried, payload included, as the feet tell it")
     weight_q12: int = field("own weight", "the same within 0.7 .. 2.5")
-    heavy_q12: int = field("", "payload: 0 up to 1.15 own weights, 4096 from 1.65 on")
+    payload_q12: int = field("", "payload: 0 up to 1.15 own weights, 4096 from 1.65 on")
     warp: int = field("lf", "of the diagonal FR, RL upwards, of the other downwards")
     margin: int = field("lu", "centre of mass inside the support polygon")
 
@@ -65,7 +65,7 @@ class Queue:
     places: list[Point] = parts(MOST_FOOTHOLDS, Point, "where they are, the oldest first, lf")
     waiting: int = field("", "how many there are")
     guessed: int = field("", "how many of the oldest no front foot has stood on")
-    taken: int = field("", "1: the front foot of the side still stands on the last")
+    occupied: int = field("", "1: the front foot of the side still stands on the last")
 
 
 @record
@@ -99,7 +99,7 @@ class Swing:
     target: Point = part(Point, "the foothold aimed at, lf")
     ground: int = field("lf", "expected height of the ground there")
     known: int = field("", "1: a front foot has stood there")
-    top: int = field("lf", "height up to which it is lifted")
+    apex: int = field("lf", "height up to which it is lifted")
     speed: int = field("lf / tick", "up or down")
     way_ticks: int = field("ticks", "of the way across")
     tries: int = field("", "how often it was lifted once more")

@@ -195,7 +195,7 @@ def lift_off(crawl: Crawl, leg: int) -> None:
     swing.risers = 0
     swing.dropped = 0
     if leg < RR:
-        crawl.footholds.sides[leg].taken = 0
+        crawl.footholds.sides[leg].occupied = 0
     for at in range(PAST_SIZE):
         crawl.contact.past[at] = swing.place.x
     enter(crawl, LIFT)
@@ -212,7 +212,7 @@ def swing_tick(crawl: Crawl, leg: int) -> None:
         swing.risers += 1
         tell(crawl, EVENT_RISER, crawl.map.seen[leg].z - swing.ground)
         swing.place.x = x - (crawl.params.crawl.riser_retreat << LF_BITS)
-        swing.top = swing.place.z + (crawl.params.crawl.clear_contact << LF_BITS)
+        swing.apex = swing.place.z + (crawl.params.crawl.clear_contact << LF_BITS)
         enter(crawl, LIFT)
     elif there:
         enter(crawl, HANG)
@@ -256,12 +256,12 @@ def lower_tick(crawl: Crawl, leg: int) -> None:
 
 
 @hot
-def lift_again(crawl: Crawl, x_lf: int, top_lf: int) -> None:
-    """Lift the foot once more, to ``top``, and come down at ``x``."""
+def lift_again(crawl: Crawl, x_lf: int, apex_lf: int) -> None:
+    """Lift the foot once more, to ``apex``, and come down at ``x``."""
     enter(crawl, LIFT)
     crawl.swing.tries += 1
     crawl.swing.target.x = x_lf
-    crawl.swing.top = top_lf
+    crawl.swing.apex = apex_lf
 
 
 @hot
@@ -271,12 +271,12 @@ def free_shin(crawl: Crawl, leg: int) -> None:
     swing = crawl.swing
     z = crawl.map.seen[leg].z
     tell(crawl, EVENT_SHIN, z - swing.ground)
-    top = z + (params.crawl.shin_clear << LF_BITS)
+    apex = z + (params.crawl.shin_clear << LF_BITS)
     least = swing.ground + (params.crawl.clear_ground << LF_BITS)
-    if top < least:
-        top = least
+    if apex < least:
+        apex = least
     x = swing.place.x + (params.crawl.edge_advance << LF_BITS)
-    lift_again(crawl, x, top)
+    lift_again(crawl, x, apex)
     shift_to(crawl, leg, over_foot(crawl, leg, x), leg)
 
 
@@ -337,8 +337,8 @@ def drop_hind(crawl: Crawl, leg: int) -> None:
     if swing.target.z > crawl.map.feet[leg].z + (params.crawl.edge_height << LF_BITS):
         further = params.crawl.edge_advance
     tell(crawl, EVENT_DROP, swing.place.z - swing.ground)
-    top = swing.ground + (params.crawl.clear_contact << LF_BITS)
-    lift_again(crawl, swing.place.x + (further << LF_BITS), top)
+    apex = swing.ground + (params.crawl.clear_contact << LF_BITS)
+    lift_again(crawl, swing.place.x + (further << LF_BITS), apex)
 
 
 @hot
@@ -354,7 +354,7 @@ def land(crawl: Crawl, leg: int) -> None:
     tell(crawl, EVENT_LANDED, foot.z - crawl.swing.ground)
     if leg < RR:
         foothold_add(crawl.map, crawl.footholds, leg)
-        crawl.footholds.sides[leg].taken = 1
+        crawl.footholds.sides[leg].occupied = 1
         if foot.z < crawl.swing.target.z - (crawl.params.crawl.edge_height << LF_BITS):
             draw_back(crawl, leg)
     note_landing(crawl, leg)

@@ -1,7 +1,7 @@
 """The path of one foot through the air: up, across, hang a moment, down until something is felt.
 
 The positions are map places in lf, so the path does not depend on what the body does meanwhile.
-Profiles: up with a braked top, a quintic across, down at a steady speed; faster where the ground is known,
+Profiles: up, braked below the apex, a quintic across, down at a steady speed; faster where the ground is known,
 and slow again shortly above it. On even ground across and down are quicker.
 """
 
@@ -27,23 +27,23 @@ def brake_speed(brake: int, way_lu: int) -> int:
 
 @hot
 def lift_foot(params: Params, swing: Swing) -> int:
-    """Take one tick upwards; return 1 at the top. A leg that is folded already has its top where it is."""
+    """Take one tick upwards; return 1 at the apex. A leg that is folded already has its apex where it is."""
     speed = swing.speed + params.crawl.lift_acceleration
-    way = swing.top - swing.place.z >> LF_BITS
-    top_speed = brake_speed(params.crawl.lift_brake, way) + params.crawl.top_speed
-    if speed > top_speed:
-        speed = top_speed
+    way = swing.apex - swing.place.z >> LF_BITS
+    braked_speed = brake_speed(params.crawl.lift_brake, way) + params.crawl.apex_speed
+    if speed > braked_speed:
+        speed = braked_speed
     if speed > params.crawl.lift_speed:
         speed = params.crawl.lift_speed
     swing.speed = speed
     z = swing.place.z + speed
-    if z > swing.top:
-        z = swing.top
+    if z > swing.apex:
+        z = swing.apex
     if swing.leg_length < params.crawl.folded:
-        swing.top = z
+        swing.apex = z
     if swing.place.z < z:
         swing.place.z = z
-    if z < swing.top:
+    if z < swing.apex:
         return 0
     return 1
 

@@ -37,7 +37,7 @@ class Swing:
 
     def __init__(self, leg, place, past):
         self.leg, self.place, self.source = leg, list(place), list(place[:2])
-        self.target, self.expect, self.top = None, None, None
+        self.target, self.expect, self.apex = None, None, None
         self.speed, self.ticks_across = 0.0, 0
         self.tries, self.hits, self.dropped, self.known = 0, 0, False, False
         self.tare, self.touched, self.peak = 0.0, 0, False
@@ -126,7 +126,7 @@ class Machine:
         if self.swing:
             s = self.swing
             places += [s.place, s.target, s.source]
-            s.expect, s.top, s.past = s.expect - way[2], s.top - way[2], [x - way[0] for x in s.past]
+            s.expect, s.apex, s.past = s.expect - way[2], s.apex - way[2], [x - way[0] for x in s.past]
         for place in places:
             place[: len(place[:3])] = [a - b for a, b in zip(place[:3], way)]
         return way
@@ -142,7 +142,7 @@ class Machine:
         """Move off the leg to come; before a step down its hip goes over the landing place if that is farther."""
         if self.leg >= RR and not self.strides_out:
             self.lay_between(self.leg)
-        wanted = crawl.middle(self.feet)[0] + self.k.heavy_forward * heavy
+        wanted = crawl.middle(self.feet)[0] + self.k.payload_forward * heavy
         if self.steps_down():
             wanted = max(wanted, self.over_foot(self.prints[self.leg - RR][0][0]))
         self.enter(SHIFT)
@@ -219,7 +219,7 @@ class Machine:
         swing.target = [x, self.k.line[swing.leg], own[2]]
         swing.expect = own[2] + self.expected_rise(x - own[0])
         before = not self.doubt.above(other[0], x + self.k.riser_lag * 5 / 3, PLACE_ROUNDING)
-        swing.top = (max(own[2], other[2]) if before else own[2]) + self.k.front_lift
+        swing.apex = (max(own[2], other[2]) if before else own[2]) + self.k.front_lift
 
     def expected_rise(self, way):
         """Return how much the slope of the feet rises over a way; less than 4 mm, or not sure yet, counts as level."""
@@ -236,7 +236,7 @@ class Machine:
         ahead = [own[0] + self.k.stride, self.k.line[swing.leg - RR], own[2]]
         swing.target = self.take_print(swing.leg - RR) if prints else ahead
         swing.expect = swing.target[2]
-        swing.top = max(own[2], swing.target[2]) + self.k.hind_lift
+        swing.apex = max(own[2], swing.target[2]) + self.k.hind_lift
 
     def aim_beside(self, swing):
         """Keep the hip distance to where the front foot of the side goes next; its prints do not count."""
@@ -246,7 +246,7 @@ class Machine:
         swing.known = True
         swing.target = [x, self.k.line[side], own[2]]
         swing.expect = own[2] + self.expected_rise(x - own[0])
-        swing.top = max(own[2], swing.expect) + self.k.hind_lift
+        swing.apex = max(own[2], swing.expect) + self.k.hind_lift
         self.prints[side] = []
 
     def take_print(self, side):
@@ -257,15 +257,15 @@ class Machine:
     # --- a foot in the air
 
     def lift(self, felt):
-        """Go up and brake before the top; a folded leg has its top where it is."""
+        """Go up and brake below the apex; a folded leg has its apex where it is."""
         s, k = self.swing, self.k
-        braked = math.sqrt(k.lift_brake * max(0.0, s.top - s.place[2])) + k.top_speed
+        braked = math.sqrt(k.lift_brake * max(0.0, s.apex - s.place[2])) + k.apex_speed
         s.speed = min(s.speed + k.lift_acceleration, braked, k.lift_speed)
-        z = min(s.top, s.place[2] + s.speed)
+        z = min(s.apex, s.place[2] + s.speed)
         if felt.length < k.folded:
-            s.top = z
+            s.apex = z
         s.place[2] = max(s.place[2], z)
-        if not self.doubt.above(s.top, z, PLACE_ROUNDING):
+        if not self.doubt.above(s.apex, z, PLACE_ROUNDING):
             self.start_across()
 
     def start_across(self):
@@ -285,7 +285,7 @@ class Machine:
             seen = felt.seen[s.leg]
             s.hits += 1
             self.tell(HIT, seen[2] - s.expect)
-            s.place[0], s.top = seen[0] - k.riser_retreat, s.place[2] + k.clear_contact
+            s.place[0], s.apex = seen[0] - k.riser_retreat, s.place[2] + k.clear_contact
             self.enter(LIFT)
         elif self.ticks >= s.ticks_across and self.body.tick >= self.body.ticks:
             self.enter(TARE)
@@ -311,9 +311,9 @@ class Machine:
             s.speed, s.touched, s.peak = k.hang_speed, 0, False
 
     def follow_tare(self, felt, gain):
-        """Learn what the joints read; more than a contact's 3 N is load."""
+        """Learn what the joints read; more than the least of a contact is load."""
         s = self.swing
-        s.tare = limit(s.tare + gain * (felt.force[s.leg] - s.tare), -3 * NEWTON, 3 * NEWTON)
+        s.tare = limit(s.tare + gain * (felt.force[s.leg] - s.tare), -self.k.touch, self.k.touch)
 
     def lower(self, felt):
         """Go down until something is met: ground, felt or pushed off, the shin's edge, a drop, or nothing at all."""
@@ -350,16 +350,16 @@ class Machine:
             s.place[2] -= s.speed
 
     def feels_ground(self, felt):
-        """Return whether 60 ms of more than 3 N, once more than 4 N, are under the foot."""
+        """Return whether 60 ms of a contact's least load, with its peak in them, are under the foot."""
         s, k = self.swing, self.k
         load = felt.force[s.leg] - s.tare
         within = FORCE_ROUNDING + tare_rounding(k)
-        if not self.doubt.above(load, 3 * NEWTON, within):
+        if not self.doubt.above(load, k.touch, within):
             s.touched, s.peak = 0, False
             self.follow_tare(felt, k.tare_down_q15)
             return False
         s.touched += 1
-        s.peak = s.peak or self.doubt.above(load, 4 * NEWTON, within)
+        s.peak = s.peak or self.doubt.above(load, k.peak, within)
         return s.peak and s.touched >= k.contact_ticks
 
     def pushed_up(self, felt):
@@ -370,15 +370,15 @@ class Machine:
 
     # --- what is met
 
-    def again(self, x, top):
+    def again(self, x, apex):
         """Try once more, at ``x``."""
         self.swing.tries += 1
-        self.swing.target[0], self.swing.top = x, top
+        self.swing.target[0], self.swing.apex = x, apex
         self.enter(LIFT)
 
-    def again_with_hip(self, felt, x, top):
+    def again_with_hip(self, felt, x, apex):
         """Try once more at ``x`` and bring the hip over it, so that the leg comes down steeply."""
-        self.again(x, top)
+        self.again(x, apex)
         self.body.plan(self.feet, self.leg, self.over_foot(x), felt.heavy, self.leg, self.quick("acceleration"))
 
     def free_shin(self, felt, z):

@@ -29,7 +29,7 @@ class BodyMove:
         x, y = mass_target(feet, leg, wanted_x, k.margin, k.planar)
         place = x - crawl.mass_ahead((k.com_x, k.com_z), pitch), y
         ground = crawl.middle(feet)[2]
-        tall = k.height + k.heavy_height * heavy
+        tall = k.height + k.payload_height * heavy
         z = ground + crawl.body_height(feet, k.hips, k.sides, place, pitch, tall, k.reach, in_air)
         if in_air is not None:
             z = min(z, self.wanted[2])

@@ -70,11 +70,11 @@ class Pair:
             c.support.stance[leg], c.support.share_q12[leg] = 1, 4096
             self.put(c.map.feet[leg], (*shape.rest[:2], self.ground(shape.rest[0])))
         c.path.wanted.z = self.fine(self.k.height)
-        c.support.heavy_q12 = round(self.trouble.heavy * 4096)
+        c.support.payload_q12 = round(self.trouble.heavy * 4096)
         footholds.footholds_start(c)
         crawl_steps.start_stages(self.crawl)
         pose = [0.0, 0.0, self.k.height, 0.0, 0.0, 0.0]
-        self.twin = twin.Machine(self.k, Doubt(), self.feet(self.crawl.map.feet), pose, c.support.heavy_q12 / 4096)
+        self.twin = twin.Machine(self.k, Doubt(), self.feet(self.crawl.map.feet), pose, c.support.payload_q12 / 4096)
         self.compare_plan()
 
     def fine(self, metres):
@@ -135,7 +135,7 @@ class Pair:
             body=self.pose(c.map.body_pose),
             length=c.swing.leg_length * self.unit_m,
             clipped=c.swing.limited,
-            heavy=c.support.heavy_q12 / 4096,
+            heavy=c.support.payload_q12 / 4096,
             way=way * self.fine_m,
         )
 
@@ -232,7 +232,7 @@ class Pair:
             c.support.load_q12[other], c.support.force_q12[other] = dice.randrange(2000), dice.randrange(-400, 2400)
         for side in range(2):
             queue = c.footholds.sides[side]
-            queue.waiting, queue.taken = dice.randrange(5), dice.randrange(2)
+            queue.waiting, queue.occupied = dice.randrange(5), dice.randrange(2)
             queue.guessed = min(queue.waiting, dice.choice((0, 0, 1, 3)))
             for place in queue.places:
                 for axis in range(3):
@@ -240,7 +240,7 @@ class Pair:
         c.support.warp, c.even.even_steps = self.spread(39), dice.choice((0, 1, 2, 3, 4, 5, 7, 8, 9))
         way, pace = c_way(self.crawl), self.fine(self.k.stride / 4)
         c.stage.ahead = dice.choice((0, 1, -1, -way, -way - 1, pace, -pace))
-        c.support.heavy_q12 = dice.choice((0, 4096))
+        c.support.payload_q12 = dice.choice((0, 4096))
         if dice.random() < 0.5:
             self.jump_diagonals(leg)
 
@@ -273,7 +273,7 @@ class Pair:
             c.swing.place[axis] = foot[axis] + self.spread(60)
         c.swing.departure.x, c.swing.departure.y = foot.x, foot.y
         c.swing.ground = c.swing.place.z + self.spread(dice.choice((30, 100)))
-        c.swing.top = c.swing.place.z + self.spread(60)
+        c.swing.apex = c.swing.place.z + self.spread(60)
         c.swing.speed = dice.randrange(k.known_lower_speed)
         c.swing.way_ticks = dice.randrange(k.swing_ticks, 4 * k.swing_ticks)
         times = (c.path.move_ticks + k.settle_ticks, c.path.move_ticks // 2, c.swing.way_ticks, k.hang_ticks)
@@ -298,7 +298,7 @@ class Pair:
         for side in range(2):
             other.prints[side] = self.prints(side, c.footholds.sides[side].waiting)
         other.guessed = [queue.guessed for queue in c.footholds.sides]
-        other.on_print = [bool(queue.taken) for queue in c.footholds.sides]
+        other.on_print = [bool(queue.occupied) for queue in c.footholds.sides]
         other.warp, other.pace = self.metres((c.support.warp, c.stage.ahead))
         other.steps_even, other.landed = c.even.even_steps, c.even.landed
         body = other.body
@@ -314,7 +314,7 @@ class Pair:
         c = self.crawl
         s = twin.Swing(c.stage.leg, self.metres(pack(c.swing.place)), PAST_SIZE)
         s.source, s.target = self.metres(pack(c.swing.departure)), self.metres(pack(c.swing.target))
-        s.expect, s.top, s.speed = self.metres((c.swing.ground, c.swing.top, c.swing.speed))
+        s.expect, s.apex, s.speed = self.metres((c.swing.ground, c.swing.apex, c.swing.speed))
         s.ticks_across, s.tries, s.hits = c.swing.way_ticks, c.swing.tries, c.swing.risers
         s.dropped, s.peak, s.touched = bool(c.swing.dropped), bool(c.contact.peak), c.contact.load_ticks
         s.known = bool(c.swing.known)
@@ -369,7 +369,7 @@ class Pair:
             "leg": (c.stage.leg, other.leg),
             "tick": (c.stage.stage_tick, other.ticks),
             "stands": (c.support.stance[:4], [int(s) for s in other.stands]),
-            "on print": ([queue.taken for queue in c.footholds.sides], [int(s) for s in other.on_print]),
+            "on print": ([queue.occupied for queue in c.footholds.sides], [int(s) for s in other.on_print]),
             "guessed": ([queue.guessed for queue in c.footholds.sides], other.guessed),
             "prints": ([queue.waiting for queue in c.footholds.sides], [len(side) for side in other.prints]),
             "even": (c.even.even_steps, other.steps_even),
@@ -409,7 +409,7 @@ class Pair:
                 ("foot", self.metres(pack(c.swing.place)), s.place),
                 ("target", self.metres(pack(c.swing.target)), s.target),
                 ("expected", self.metres([c.swing.ground]), [s.expect]),
-                ("top", self.metres([c.swing.top]), [s.top]),
+                ("apex", self.metres([c.swing.apex]), [s.apex]),
                 ("speed", self.metres([c.swing.speed]), [s.speed]),
             ]
             if feels(other):
@@ -472,7 +472,7 @@ BOUNDS = {
     "foot": 0.2 * MM,
     "target": 0.01 * MM,
     "expected": 0.03 * MM,
-    "top": 0.02 * MM,
+    "apex": 0.02 * MM,
     "speed": 0.01 * MM,
     "event": 0.03 * MM,
     "plan x y": 0.2 * MM,

@@ -76,6 +76,8 @@ def crawl_si(params):
         share=4096 // crawl.share_ticks / 4096,
         acceleration=crawl.body_acceleration * unit_m / params.rate_hz**2,
         quick_acceleration=crawl.quick_body_acceleration * unit_m / params.rate_hz**2,
+        touch=crawl.touch_q12 / 4096,
+        peak=crawl.peak_q12 / 4096,
         planar=params.lateral_q12 == 0,
         hips=[leg.hip for leg in legs],
         sides=[leg.side_l1 for leg in legs],

@@ -102,7 +102,7 @@ def places(crawl):
     found += [pose[axis] for pose in (path.wanted, path.from_pose, path.to_pose) for axis in range(3)]
     found += [*pack(swing.place), *pack(swing.target)]
     found = [value - body[at % 3] for at, value in enumerate(found)]
-    found += [swing.departure[axis] - body[axis] for axis in range(2)] + [swing.ground - body.z, swing.top - body.z]
+    found += [swing.departure[axis] - body[axis] for axis in range(2)] + [swing.ground - body.z, swing.apex - body.z]
     return found + [x - body.x for x in crawl.contact.past]
 
 

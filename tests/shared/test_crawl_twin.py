@@ -282,23 +282,23 @@ def test_a_front_foot_aims_half_a_stride_beyond_the_other(crawl, seed):
     hit = setting("riser_lag")
     if abs(other[0] - target - hit * 5 / 3) > 0.1 * MM:
         top = swing.front_top(own[2], other[2], other[0], target, setting("front_lift"), hit)
-        assert abs(crawl.swing.top * FINE_M - top) < 0.05 * MM
+        assert abs(crawl.swing.apex * FINE_M - top) < 0.05 * MM
 
 
 @repeatable(40)
 @given(st.floats(0.02, 0.07))
 def test_a_foot_goes_up_as_its_twin_and_stops_at_the_top(lift_m):
     c, k = Crawl(PARAMS), PARAMS.crawl
-    c.swing.top, c.swing.leg_length = fine(lift_m), 32767
+    c.swing.apex, c.swing.leg_length = fine(lift_m), 32767
     units = FINE_M * RATE
     exact = swing.rise(0.0, lift_m, k.lift_speed * units, k.lift_acceleration * units * RATE,
-                       k.lift_brake * units * RATE / 2, k.top_speed * units, 1 / RATE, 60)
+                       k.lift_brake * units * RATE / 2, k.apex_speed * units, 1 / RATE, 60)
     there = 0
     for height in exact:
         there = there or swing_leg.lift_foot(c.params, c.swing)
         assert abs(c.swing.place.z * FINE_M - height) < 0.6 * MM
     assert there == 1
-    assert c.swing.place.z == c.swing.top
+    assert c.swing.place.z == c.swing.apex
 
 
 @repeatable(100)
@@ -422,7 +422,7 @@ def test_the_weight_is_learnt_from_the_feet_that_stand(seed, rate_hz):
         core_crawl.weigh(c.params, sensing, c.support)
         weight, load = exact.step([force / 4096 for force in forces], stands)
         assert abs(c.support.weight_q12 / 4096 - weight) < 0.004
-        assert abs(c.support.heavy_q12 / 4096 - load) < 0.008
+        assert abs(c.support.payload_q12 / 4096 - load) < 0.008
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -77,7 +77,7 @@ def _soil_map(dice, bits):
         SUPPORT.load_q12[leg] = FORCE.any(dice)
     SUPPORT.weight_q12 = 2867 + dice.below(10240 - 2867)
     SUPPORT.weight_q20 = dice.below(16383 << 8)
-    SUPPORT.heavy_q12 = SHARE.any(dice)
+    SUPPORT.payload_q12 = SHARE.any(dice)
     SUPPORT.warp = dice.below(2 * 1342208) - 1342208
     SUPPORT.margin = PREVIOUS.any(dice)
 
@@ -99,7 +99,7 @@ def _soil_path(dice, bits):
             for axis in range(3):
                 queue.places[place][axis] = _near(dice, bits)
         queue.waiting = dice.below(5)
-        queue.taken = dice.bits(1)
+        queue.occupied = dice.bits(1)
         queue.guessed = dice.bits(2)
 
 
