@@ -111,7 +111,7 @@ def _soil_swing(dice, bits):
     FOOT.departure.y = _near(dice, bits)
     FOOT.ground = _near(dice, bits)
     FOOT.place.z = FOOT.ground - dice.bits(22)
-    FOOT.top = _near(dice, bits)
+    FOOT.apex = _near(dice, bits)
     FOOT.speed = SPEED.any(dice)
     FOOT.way_ticks = 1 + dice.below(60)
     FOOT.tries = dice.bits(2)
