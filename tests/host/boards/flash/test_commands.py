@@ -140,7 +140,8 @@ def test_several_boards_info_logs_and_reset(run, images, tmp_path):
         assert facts["slots"]["b"] == f"version 2, build {make('2').about.build}"
         info = one.after_reset(lambda: run("board", "info", "--port", one.port), b"running 3")
         assert "version      3" in info[1]
-        assert "nothing noted" in run("board", "logs", "--port", one.port)[1]
+        logs = one.after_reset(lambda: run("board", "logs", "--port", one.port), b"running 3")
+        assert "nothing noted" in logs[1]
         assert run("board", "reset", "--port", one.port)[0] == 0
         assert one.wait_for(b"running 3")
 

@@ -18,6 +18,7 @@ from tests.host.teleop.foxglove.viewer import Viewer
 
 pytest.importorskip("foxglove", reason="the SDK is not installed (extra foxglove)")
 
+TAKE = {"type": "take"}
 TWIST = {"linear": {"x": 0.05, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": 0.0}}
 
 
@@ -75,6 +76,17 @@ async def sees(viewer, found, keep=None):
             if keep is not None:
                 await viewer.publish(*keep)
     return now
+
+
+def drives(now, source):
+    return now["driver"] is not None and now["driver"][0] == source
+
+
+async def script_drives(viewer, drive):
+    """Let the script take the controls until a status says so: a driver who is silent for 3 s has left."""
+    async with asyncio.timeout(60):
+        while not drives(await status(viewer), "script"):
+            drive.say(TAKE)
 
 
 async def pair(viewer, drive):
@@ -135,11 +147,9 @@ def test_nobody_drives_without_the_code_and_guesses_are_few(drive):
 
 def test_a_viewer_is_one_driver_among_others(drive):
     async def script(viewer, session):
-        drive.say({"type": "take"})
-        await sees(viewer, lambda now: now["driver"] and now["driver"][0] == "script")
+        await script_drives(viewer, drive)
         await pair(viewer, drive)
-        await viewer.publish("/command", {"type": "take"})
-        await sees(viewer, lambda now: now["driver"][0] == "foxglove")  # above a script
+        await sees(viewer, lambda now: drives(now, "foxglove"), ("/command", TAKE))
         drive.say(SIT)
         await sees(viewer, lambda now: now["refused"] > 0, ("/command", STILL))
         second = await Viewer.connect(session, drive.port)
@@ -149,9 +159,8 @@ def test_a_viewer_is_one_driver_among_others(drive):
         await second.until(lambda: any("refused" in note for note in second.notes))
         await viewer.close()
         await second.subscribe("/status")
-        await sees(second, lambda now: now["driver"] is None or now["driver"][0] != "foxglove")
-        await second.publish("/command", {"type": "take"})
-        await sees(second, lambda now: now["driver"] and now["driver"][0] == "foxglove")
+        await sees(second, lambda now: not drives(now, "foxglove"))
+        await sees(second, lambda now: drives(now, "foxglove"), ("/command", TAKE))
         await second.close()
 
     run(drive, script)
