@@ -7,7 +7,7 @@ the twelve angles back. Between these two conversions there are only the core's 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from shared.gait.table import MOVER_CRAWL, MOVER_TABLE
+from shared.gait.table import MOVER_CRAWL, MOVER_TABLE, Gait
 from shared.planner import command as core
 from shared.planner.command import MODE_FOLD, MODE_LIMP, MODE_SIT, MODE_STAND, MODE_WALK
 from shared.planner.planner import Planner
@@ -88,12 +88,15 @@ class Driver:
         """Count from here: the robot has been put down elsewhere."""
         odometry_restart(self.planner.odometry)
 
+    def _gait(self, name: str) -> Gait:
+        return self.planner.gaits[gait_index(self.robot, name)]
+
     def speed_limit(self, gait: str) -> tuple[float, str]:
         """Return a gait's top forward command, m/s, and what limits it: a key, or the legs.
 
         The crawl has its own speed; its figure is that of the trot that takes over from it.
         """
-        walked = self.planner.gaits[gait_index(self.robot, gait)]
+        walked = self._gait(gait)
         most, key = walked.speed_max.vx, "speed_limits.stride_m"
         if walked.mover != MOVER_TABLE:
             key = limit(self.robot)
@@ -103,11 +106,11 @@ class Driver:
 
     def has_own_speed(self, gait: str) -> bool:
         """Return whether a gait walks at its own speed, whatever is commanded: the crawl does."""
-        return self.planner.gaits[gait_index(self.robot, gait)].mover == MOVER_CRAWL
+        return self._gait(gait).mover == MOVER_CRAWL
 
     def fastest(self, gait: str) -> tuple[float, float, float]:
         """Return a gait's top commands: forward and sideways, m/s, and turning, rad/s."""
-        most, scale = self.planner.gaits[gait_index(self.robot, gait)].speed_max, self.scale
+        most, scale = self._gait(gait).speed_max, self.scale
         return scale.metres_per_second(most.vx), scale.metres_per_second(most.vy), scale.rad_per_second(most.wz)
 
     def set_command(self, **wish: object) -> None:

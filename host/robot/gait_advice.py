@@ -16,10 +16,9 @@ def why_not_advised(robot: Robot, gait: str, speed_m_s: float = 0.0, *, in_space
 
     ``in_space``: it has just walked in three dimensions, so nobody has to be sent there.
     """
-    own = robot.gait
-    if gait not in own.advised_m_s:
-        return own.not_advised.get(gait, WALKED_IN_SPACE if in_space else UNTRIED)
-    most_m_s = own.advised_m_s[gait]
+    most_m_s = tried_up_to_m_s(robot, gait)
+    if most_m_s is None:
+        return robot.gait.not_advised.get(gait, WALKED_IN_SPACE if in_space else UNTRIED)
     return f"tried only up to {most_m_s:g} m/s" if abs(speed_m_s) > most_m_s else ""
 
 

@@ -166,22 +166,27 @@ def walk_result(spec: WalkSpec, recording: Recording) -> dict[str, Any]:
     }
 
 
+def asked_of(spec: WalkSpec) -> tuple[float, str, float]:
+    """Return the speed asked of a walk, m/s, how a command beyond the limits was limited, and what share is enough.
+
+    Of a gait with a speed of its own no more than that is asked: nothing, if the robot file does not name it.
+    """
+    driver = Driver(spec.robot, planar=True)
+    if driver.has_own_speed(spec.gait):
+        own_m_s = tried_up_to_m_s(spec.robot, spec.gait)
+        return (spec.speed_m_s, "", 0.0) if own_m_s is None else (min(spec.speed_m_s, own_m_s), "", ENOUGH)
+    most_m_s, key = driver.speed_limit(spec.gait)
+    limited = f"limited to {most_m_s:.3g} m/s by {key}" if spec.speed_m_s > _FASTER * most_m_s else ""
+    return spec.speed_m_s, limited, ENOUGH
+
+
 def judged(spec: WalkSpec, result: dict[str, Any], *, in_space: bool = False) -> dict[str, Any]:
     """Return a walk's figures with the verdict on the command: arriving is not enough if it was not walked.
 
     A command above the limits of robot and gait is limited, and so not achieved. A walk below ENOUGH of the asked speed
-    counts as achieved only if the robot backed off and crawled on: then the reason names the ground. Of a gait with a
-    speed of its own no more than that is asked: nothing, if the robot file does not name it.
+    counts as achieved only if the robot backed off and crawled on: then the reason names the ground.
     """
-    driver, asked_m_s, limited, enough = Driver(spec.robot, planar=True), spec.speed_m_s, "", ENOUGH
-    most_m_s, key = driver.speed_limit(spec.gait)
-    own_m_s = tried_up_to_m_s(spec.robot, spec.gait)
-    if not driver.has_own_speed(spec.gait):
-        limited = f"limited to {most_m_s:.3g} m/s by {key}" if asked_m_s > _FASTER * most_m_s else ""
-    elif own_m_s is None:
-        enough = 0.0
-    else:
-        asked_m_s = min(asked_m_s, own_m_s)
+    asked_m_s, limited, enough = asked_of(spec)
     share = result["mean_speed_m_s"] / asked_m_s
     advice = why_not_advised(spec.robot, spec.gait, asked_m_s, in_space=in_space)
     more: dict[str, Any] = {"limited": limited, "advice": advice, "asked_speed_m_s": asked_m_s}

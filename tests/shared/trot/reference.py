@@ -238,7 +238,7 @@ class FloatTrot:
 
     # --- who swings
 
-    def go_on(self, moving):
+    def advance_legs(self, moving):
         if not moving:
             self.phase, self.stance, self.early_contact = tuning.STANCE_SHARE / 2 - 0.25, [1] * 4, [0] * 4
             return
@@ -376,7 +376,7 @@ class FloatTrot:
             self.update_slope()
         self.choose_lift()
         self.moving = moving
-        self.go_on(moving)
+        self.advance_legs(moving)
         self.stand_feet(pose)
         self.swing_feet(pose)
         short = [0.0 if stands else short for stands, short in zip(self.stance, self.shortened, strict=True)]
