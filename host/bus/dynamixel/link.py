@@ -19,10 +19,10 @@ from ...robot.model import Robot
 from ...util.errors import NOT_ACHIEVED, UserError
 from ..base import Counters
 from . import table as t
+from .packets import packet_handler
 from .port import ServoPort
 from .roll_call import IDS, call_roll
 from .table import Register
-from .unstuff import packet_handler
 
 # Outside the control loop a busy machine may be late; a scan asks 253 ids, most of them in vain.
 PATIENCE_MS, PING_PATIENCE_MS = 30.0, 8.0

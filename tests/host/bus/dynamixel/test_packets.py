@@ -5,8 +5,8 @@ from dynamixel_sdk import COMM_SUCCESS, PacketHandler
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+from host.bus.dynamixel.packets import packet_handler
 from host.bus.dynamixel.roll_call import ANSWER, IDS, answers_in, call_roll
-from host.bus.dynamixel.unstuff import packet_handler
 from host.sim.servos.packets import READ, WRITE, Framing1, Framing2, Instruction, framing
 
 # E-manual, protocol 2.0: ping of id 1, its answer; read of 4 bytes at 132 of id 1; write of 512 to 116.
@@ -90,6 +90,28 @@ def test_what_a_servo_answers_arrives(protocol, data):
     assert result == COMM_SUCCESS
     start = 5 if protocol == 1.0 else 9
     assert bytes(packet[start : start + len(data)]) == bytes(data)
+
+
+class Asked(Wire):
+    """The same for a question and its answer."""
+
+    def setPacketTimeout(self, length):
+        pass
+
+
+@pytest.mark.parametrize("protocol", [1.0, 2.0])
+@pytest.mark.parametrize("count", [0, 1, 2, 3, 4])
+def test_an_answer_to_another_question_is_none(protocol, count):
+    """The SDK (4.1.0) took a write's late answer for a ping's, and its check sum for the model."""
+    late = framing(protocol).status(3, 0, bytes(count))
+    for length in (1, 2, 4):
+        _, result, _ = packet_handler(protocol).readTxRx(Asked(late), 3, 36, length)
+        assert (result == COMM_SUCCESS) is (count == length)
+    result, _ = packet_handler(protocol).write1ByteTxRx(Asked(late), 3, 36, 1)
+    assert (result == COMM_SUCCESS) is (count == 0)
+    if protocol == 2.0:
+        _, result, _ = packet_handler(protocol).ping(Asked(late), 3)
+        assert (result == COMM_SUCCESS) is (count == 3)
 
 
 @given(packet=st.sampled_from([PING, READ_POSITION, WRITE_GOAL]), at=st.integers(0, 13), flip=st.integers(1, 255))
