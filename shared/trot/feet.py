@@ -78,7 +78,7 @@ def lift_off(trot: Trot, leg: int) -> None:
     z += y * state.roll_q14 >> 14
     start.x = x + (z * state.pitch_q14 >> 14)
     start.z = z - (x * state.pitch_q14 >> 14)
-    trot.ascent_lag[leg] = 0
+    trot.swing_top[leg] = -_FAR
     trot.shortened[leg] = 0
 
 

@@ -11,9 +11,9 @@ _RISEN = const(3277)  # 0.1 of a swing
 _FREE = const(13107)  # 0.4 of a swing: from here on both feet of a diagonal are certainly off the ground
 _QUARTER_Q12 = const(1024)  # of own weight
 # Parts of the leg, Q10, from walks of Caramelo and Parallel on level ground and over steps
-_HIGH_Q10 = const(31)  # 0.03: too high by this, and by 1.5 times its excess lag, a foot that comes down has met ground
-_LAGS_Q10 = const(15)  # 0.015: lag of a rising foot that is not in excess
-_LANDED_Q10 = const(51)  # 0.05: too high at a landing; 0.01 on level ground, up to 0.13 in high swings
+_HIGH_Q10 = const(31)  # 0.03: too high by this, a foot that came down and falls no more has met ground
+_LANDED_Q10 = const(51)  # 0.05: the same while it lands; 0.01 on level ground
+_FALLEN_Q10 = const(32)  # 0.03: less far below its highest place, a foot has not come down yet
 _BEHIND_EARLY_Q10 = const(61)  # 0.06: a foot so far behind its mate is held up, while one may still be on the ground
 _BEHIND_Q10 = const(26)  # 0.025: the same later in the swing. On level ground feet were 0.05 behind early, 0.02 later
 _USUAL_Q10 = const(41)  # 0.04: farther behind is never usual, but held up: 0.01 on level ground, 0.06 in high swings
@@ -22,6 +22,7 @@ _SMALL_Q10 = const(36)  # 0.035: less counts as nothing, and the foot goes to wh
 # fewer stairs
 _MET_QUARTERS = const(1)
 _LANDED_QUARTERS = const(2)
+_FALL_QUARTER = const(128)  # a quarter of the mean fall of a planned swing, apex over half its time, which is Q8
 _SWINGS_MAX = const(100)
 _DOWN_Q20 = const(20972)  # 0.02: ground that falls more steeply goes down; before a wall it seemed to rise by 0 .. 0.04
 EARLY = const(1)  # of ``early_contact``: the foot has met ground higher than planned
@@ -32,23 +33,36 @@ EARLY_NOW = const(2)  # it has met it in this tick, in whose goals no lag is com
 def react(params: Params, trot: Trot, leg: int) -> int:
     """Watch one swing foot; return 1 if it stands from now on, 0 if it swings on."""
     state = trot.state
-    ascent_lag = trot.ascent_lag
     if state.known <= params.delay_ticks:
         return 0
-    up = trot.residual_z[leg]
-    if state.swing_q15 <= _MIDDLE:
-        if state.swing_q15 > _RISEN and -up > ascent_lag[leg]:
-            ascent_lag[leg] = -up
-    else:
-        slack = saturate(ascent_lag[leg] - (params.leg_length * _LAGS_Q10 >> 10), 0, 32767)
-        if up > (params.leg_length * _HIGH_Q10 >> 10) + slack + (slack >> 1):
-            state.high_left = params.trot.high_distance
-            meet_ground(params, trot, leg, _MET_QUARTERS)
-            return 1
+    if state.swing_q15 > _MIDDLE and stands_high(params, trot, leg, _HIGH_Q10):
+        state.high_left = params.trot.high_distance
+        meet_ground(params, trot, leg, _MET_QUARTERS)
+        return 1
     if state.swing_q15 > _RISEN:
         detect_held_up(params, trot, leg)
     shorten_swing(trot, leg)
     return 0
+
+
+@hot
+def stands_high(params: Params, trot: Trot, leg: int, high_q10: int) -> int:
+    """Return 1 if a foot stands on ground that is higher than planned by ``high_q10`` of the leg or more, else 0.
+
+    Its height alone does not show this: slow drives are late in high swings, and at the planned touchdown their feet
+    still fall, or even rise. A foot that stands has come down, and falls no more.
+    """
+    z = trot.measured.legs[leg].z
+    top = trot.swing_top
+    if z > top[leg]:
+        top[leg] = z
+    if trot.residual_z[leg] <= params.leg_length * high_q10 >> 10:
+        return 0
+    if top[leg] - z < params.leg_length * _FALLEN_Q10 >> 10:
+        return 0
+    if trot.before.legs[leg].z - z > trot.apex[leg] * _FALL_QUARTER // params.trot.swing_q8:
+        return 0
+    return 1
 
 
 @hot
@@ -193,14 +207,14 @@ def swing_apex(params: Params, trot: Trot, leg: int) -> int:
 
 @hot
 def check_landing(params: Params, trot: Trot, leg: int) -> None:
-    """Check a foot that has just touched down as planned: where the ground climbs, did it land too high?
+    """Check a foot that has just touched down as planned: did it land too high?
 
-    It would push its corner of the body up by as much, and tip it over. It is checked once, while the joints still show
-    the landing: later it would be a leg that sags under its load. On the level a high swing just lags by as much.
+    It would push its corner of the body up by as much, and tip it over. It is checked while the joints still show the
+    landing: later it would be a leg that sags under its load.
     """
     if trot.early_contact[leg] or trot.state.known <= params.delay_ticks:
         return
-    if trot.residual_z[leg] > params.leg_length * _LANDED_Q10 >> 10 and climbs(params, trot):
+    if stands_high(params, trot, leg, _LANDED_Q10):
         meet_ground(params, trot, leg, _LANDED_QUARTERS)
 
 

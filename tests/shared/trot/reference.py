@@ -77,7 +77,7 @@ class FloatTrot:
         self.load, self.stance, self.early_contact = [0.0] * 4, [1] * 4, [0] * 4
         self.low, self.high = tuning.LOW_LIFT * self.leg_m, tuning.HIGH_LIFT * self.leg_m
         self.highest = tuning.HIGHEST_LIFT * self.leg_m
-        self.lift, self.apex, self.ascent_lag = self.low, [self.low] * 4, [0.0] * 4
+        self.lift, self.apex, self.swing_top = self.low, [self.low] * 4, [0.0] * 4
         self.held_up, self.shortened, self.peak_lag, self.usual_lag = [False] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
         self.rises_first = [False] * 4
         self.known, self.measured, self.before, self.expected = 0, None, None, None
@@ -263,11 +263,7 @@ class FloatTrot:
         """Look at one foot in the air; return 1 if it stands from now on."""
         if self.known <= self.delay:
             return 0
-        up = self.residual[leg][1]
-        if self.u <= 0.5:
-            if self.u > 0.1:
-                self.ascent_lag[leg] = max(self.ascent_lag[leg], -up)
-        elif up > 31 / 1024 * self.leg_m + 1.5 * max(0.0, self.ascent_lag[leg] - 15 / 1024 * self.leg_m):
+        if self.u > 0.5 and self.stands_high(leg, 31 / 1024):
             self.high_left = tuning.HIGH_LENGTHS * self.f.length_m
             self.meet_ground(leg, 0.25)
             return 1
@@ -277,6 +273,14 @@ class FloatTrot:
         self.shortened[leg] = -behind if self.held_up[leg] else 0.0
         return 0
 
+    def stands_high(self, leg, share):
+        """Return whether a foot that has come down, and falls no more, is too high by a share of the leg."""
+        z = self.measured[leg][2]
+        self.swing_top[leg] = max(self.swing_top[leg], z)
+        came_down = self.swing_top[leg] - z >= 32 / 1024 * self.leg_m
+        falls = self.before[leg][2] - z > self.apex[leg] / 2 / self.f.swing_s * self.dt
+        return self.residual[leg][1] > share * self.leg_m and came_down and not falls
+
     def begin_swing(self, leg):
         self.apex[leg] = self.swing_apex(leg)
         alone = self.apex[leg ^ 1] < self.highest and not self.climbs()
@@ -284,7 +288,7 @@ class FloatTrot:
         if not self.held_up[leg]:
             self.usual_lag[leg] = min(0.75 * self.usual_lag[leg] + 0.25 * self.peak_lag[leg], 41 / 1024 * self.leg_m)
         self.held_up[leg], self.peak_lag[leg], self.shortened[leg] = False, 0.0, 0.0
-        self.ascent_lag[leg], self.stance[leg] = 0.0, 0
+        self.swing_top[leg], self.stance[leg] = -math.inf, 0
 
     def swing_apex(self, leg):
         return self.highest if self.high_left and self.held_up[leg] else self.lift
@@ -310,11 +314,10 @@ class FloatTrot:
         return gone > abs(self.foot_speed[0]) * self.dt or (mate_gone <= 0 and self.u > 0.4)
 
     def check_landing(self, leg, stood):
-        """Look at a foot that stands by plan for a share of a cycle: where it climbs, did it land too high?"""
-        high = self.known > self.delay and self.residual[leg][1] > 51 / 1024 * self.leg_m
+        """Look at a foot that stands by plan for a share of a cycle: did it land too high?"""
         if stood > tuning.LANDING_SHARE + self.delay * self.dt / self.f.cycle_s:
             self.early_contact[leg] = 0
-        elif self.early_contact[leg] == 0 and high and self.climbs():
+        elif self.early_contact[leg] == 0 and self.known > self.delay and self.stands_high(leg, 51 / 1024):
             self.meet_ground(leg, 0.5)
 
     def meet_ground(self, leg, share):

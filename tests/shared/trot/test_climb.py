@@ -83,21 +83,29 @@ def test_swings_held_up_in_a_row_are_counted_for_the_front_and_the_hind_feet(pai
     assert list(walk.held_up_in_row) == (rows if way else [0, 0])
 
 
-@pytest.mark.parametrize(("high", "slope", "stood", "met_before", "known", "taken"), [
-    (0.06, 0.25, 0.5, 0, 100, True),
-    (0.04, 0.25, 0.5, 0, 100, False),  # it sags as much
-    (0.06, 0.0, 0.5, 0, 100, False),  # on the level it lags as much in a high swing
-    (0.06, 0.25, 1.5, 0, 100, False),  # the joints tell of its load by now, not of its landing
-    (0.06, 0.25, 0.5, EARLY, 100, False),  # once a landing
-    (0.06, 0.25, 0.5, 0, 1, False),  # nothing is measured yet
+@pytest.mark.parametrize(("high", "down", "falls", "stood", "met_before", "known", "taken"), [
+    (0.06, 0.1, 0.0, 0.5, 0, 100, True),
+    (0.06, 0.1, -0.1, 0.5, 0, 100, True),  # the body sinks onto it
+    (0.04, 0.1, 0.0, 0.5, 0, 100, False),  # it sags as much
+    (0.06, 0.02, 0.0, 0.5, 0, 100, False),  # slow drives are late: it is still at the top of its swing
+    (0.06, 0.1, 0.3, 0.5, 0, 100, False),  # the same: it still comes down
+    (0.06, 0.1, 0.2, 0.5, 0, 100, True),
+    (0.06, 0.1, 0.0, 1.5, 0, 100, False),  # the joints tell of its load by now, not of its landing
+    (0.06, 0.1, 0.0, 0.5, EARLY, 100, False),  # once a landing
+    (0.06, 0.1, 0.0, 0.5, 0, 1, False),  # nothing is measured yet
 ])
-def test_a_foot_that_landed_on_higher_ground_takes_it_as_it_is(pair, high, slope, stood, met_before, known, taken):
-    """``high``: of the leg above where it was sent; ``stood``: of the time in which it may tell."""
+def test_a_foot_that_landed_on_higher_ground_takes_it_as_it_is(pair, high, down, falls, stood, met_before, known, taken):
+    """``high`` above where it was sent, ``down`` from its top, of the leg; ``falls``: of a swing's mean fall.
+
+    ``stood``: of the time in which it may tell.
+    """
     state, setup, walk = pair.walk.state, pair.params.trot, pair.walk
-    state.slope_q20.x, state.uneven_q4, state.known = round(slope * 2**20), UNEVEN_Q4, known
+    state.known = known
     rest, landed = pair.params.legs[1].rest, walk.measured.legs[1]
     copy(rest, landed)
     landed.z += round(high * pair.params.leg_length)
+    walk.apex[1], walk.swing_top[1] = setup.high_lift, landed.z + round(down * pair.params.leg_length)
+    walk.before.legs[1].z = landed.z + round(falls * setup.high_lift * 512 / setup.swing_q8)
     walk.residual_z[1], walk.early_contact[1] = round(high * pair.params.leg_length), met_before
     before, after_landing = [pack(foot) for foot in walk.feet.legs], stood > 1
     walk.command.moving = 1
