@@ -1,4 +1,4 @@
-"""What a leg in the air feels: ground under the foot, an edge under the shin, a riser in front.
+"""What a leg in the air feels: ground under the foot, an edge under the calf, a riser in front.
 
 There is no foot switch: the vertical force comes from the joints' errors. A leg that hangs reads its own
 weight and its friction; that tare is taken before it goes down and followed while nothing touches.
@@ -89,7 +89,7 @@ def stands_straight(params: Params, lift: int, off_lf: int) -> int:
     """Return 1 if a foot near its expected ground pushes the body's corner up by ``lift`` (lu): it stands; else 0.
 
     A nearly straight leg shows no load in its joints. off: of the foot above the expected ground, lf; near is within
-    what counts as even. Farther off, it may be the shin that pushes, on an edge.
+    what counts as even. Farther off, it may be the calf that pushes, on an edge.
     """
     even = params.crawl.drop_depth // 3 << LF_BITS
     if lift > params.crawl.stand_lift and off_lf < even and off_lf > -even:

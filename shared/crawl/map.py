@@ -3,7 +3,7 @@
 The tilt comes from the attitude filter as R = Rx(roll) Ry(pitch), the heading about the world's z is in
 front of it, so a foot of the map is at b + Rz(heading) Rx Ry (hip + leg). For the small tilts of a walk this
 is the ROS order but for roll times pitch. Stance feet stay where they are in the map, except that a round
-foot rolls when its shank turns and that a foot which has slipped is followed slowly.
+foot rolls when its calf_pitch turns and that a foot which has slipped is followed slowly.
 """
 
 from ..body.params import CALF, FL, FR, LEGS, LF_BITS, RL, RR, THIGH
@@ -22,7 +22,7 @@ _NEAR_LU = const(16383)
 def roll_feet(crawl: Crawl, joints: Ints) -> None:
     """Move the map places of the stance feet by how far their round feet have rolled.
 
-    The centre of a foot of radius r moves by r times the turn of its shank (pitch + thigh + calf), along the
+    The centre of a foot of radius r moves by r times the turn of its calf (pitch + thigh + calf), along the
     heading. Turns above 840 brad in a tick are cut off. Largest intermediate 32767 * 32767.
     """
     map = crawl.map
@@ -30,9 +30,9 @@ def roll_feet(crawl: Crawl, joints: Ints) -> None:
     pitch = map.body_pose.pitch >> LF_BITS
     yaw = map.body_pose.yaw >> LF_BITS
     for leg in range(LEGS):
-        shank = pitch + joints[leg * 3 + THIGH] + joints[leg * 3 + CALF]
-        turn = saturate(shank - map.shank[leg], -840, 840)
-        map.shank[leg] = shank
+        calf_pitch = pitch + joints[leg * 3 + THIGH] + joints[leg * 3 + CALF]
+        turn = saturate(calf_pitch - map.calf_pitch[leg], -840, 840)
+        map.calf_pitch[leg] = calf_pitch
         if crawl.support.stance[leg]:
             rolled = saturate(turn * roll_q8 >> 8, -32767, 32767)
             map.feet[leg].x += rolled * cos_q15(yaw) >> 15

@@ -21,7 +21,7 @@ EVENT_NONE = const(0)
 EVENT_LANDED = const(1)
 EVENT_STEP = const(2)  # ground higher than expected: another try further on
 EVENT_DROP = const(3)  # no ground where it was expected: another try further out
-EVENT_SHIN = const(4)  # the shin, not the foot, stands on an edge
+EVENT_CALF = const(4)  # the calf, not the foot, stands on an edge
 EVENT_RISER = const(5)  # the foot ran into a riser
 EVENT_NO_GROUND = const(6)  # no ground at all: the foot is left hanging
 EVENT_WARP = const(7)  # the loads of the diagonals could not be brought to what was wanted
@@ -40,7 +40,7 @@ class Map:
     feet: list[Point] = parts(LEGS, Point, "where FR, FL, RR, RL stand, lf")
     seen: list[Point] = parts(LEGS, Point, "where the measured joints say that they are, lf")
     body_pose: Pose = part(Pose, "where the body is, lf, bf")
-    shank: Ints = vector(LEGS, "brad", "slope of the shank in the tick before")
+    calf_pitch: Ints = vector(LEGS, "brad", "pitch of the calf in the tick before")
 
 
 @record

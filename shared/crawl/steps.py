@@ -3,7 +3,7 @@
     SHIFT -> LIFT -> SWING -> HANG -> LOWER -> (landed) REST -> SHIFT of the next leg ...
 
 Order RL, FL, RR, FR. On even ground the strides are long and the motions quick. A swing that meets a step, a drop, a
-riser or its own shin on an edge is tried again somewhere else, at most three times; the body goes along so that the
+riser or its own calf on an edge is tried again somewhere else, at most three times; the body goes along so that the
 leg comes down steeply.
 """
 
@@ -16,11 +16,11 @@ from .footholds import aim, draw_back, foothold_add, lay_between, next_foothold_
 from .goals import bridge
 from .pose import mass_target, move_body, plan_body, resting_x
 from .state import (
+    EVENT_CALF,
     EVENT_DROP,
     EVENT_LANDED,
     EVENT_NO_GROUND,
     EVENT_RISER,
-    EVENT_SHIN,
     EVENT_STEP,
     EVENT_WARP,
     HANG,
@@ -106,7 +106,7 @@ def swing_stage(crawl: Crawl, leg: int) -> None:
 def plan_shift(crawl: Crawl) -> None:
     """Begin to shift the body off the present leg.
 
-    Before a step down the hip goes over the landing place: a straight leg keeps its shin off the edge.
+    Before a step down the hip goes over the landing place: a straight leg keeps its calf off the edge.
     """
     leg = crawl.stage.leg
     if leg >= RR and strides_out(crawl.even) == 0:
@@ -232,7 +232,7 @@ def hang_tick(crawl: Crawl, leg: int) -> None:
 
 @hot
 def lower_tick(crawl: Crawl, leg: int) -> None:
-    """Take one tick down, and deal with what is met: shin, ground, nothing."""
+    """Take one tick down, and deal with what is met: calf, ground, nothing."""
     params = crawl.params
     swing = crawl.swing
     lower_foot(crawl)
@@ -242,8 +242,8 @@ def lower_tick(crawl: Crawl, leg: int) -> None:
     below = swing.ground - swing.place.z >> LF_BITS
     if stands_straight(params, lift, z - swing.ground):
         land(crawl, leg)
-    elif swing.tries < _TRIES and lift > params.crawl.shin_lift:
-        free_shin(crawl, leg)
+    elif swing.tries < _TRIES and lift > params.crawl.calf_lift:
+        free_calf(crawl, leg)
     elif touches and z < swing.ground + (params.crawl.highest_contact << LF_BITS):
         touch(crawl, leg, z)
     elif below > params.crawl.drop_depth and crawl.contact.load_ticks == 0 and swing.tries < _TRIES and (
@@ -265,13 +265,13 @@ def lift_again(crawl: Crawl, x_lf: int, apex_lf: int) -> None:
 
 
 @hot
-def free_shin(crawl: Crawl, leg: int) -> None:
-    """Lift the leg off the edge its shin stands on, go on a little with the hip over the new place."""
+def free_calf(crawl: Crawl, leg: int) -> None:
+    """Lift the leg off the edge its calf stands on, go on a little with the hip over the new place."""
     params = crawl.params
     swing = crawl.swing
     z = crawl.map.seen[leg].z
-    tell(crawl, EVENT_SHIN, z - swing.ground)
-    apex = z + (params.crawl.shin_clear << LF_BITS)
+    tell(crawl, EVENT_CALF, z - swing.ground)
+    apex = z + (params.crawl.calf_clear << LF_BITS)
     least = swing.ground + (params.crawl.clear_ground << LF_BITS)
     if apex < least:
         apex = least

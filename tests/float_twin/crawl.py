@@ -34,9 +34,9 @@ def turn(point, yaw):
     return [point[0] * c - point[1] * s, point[0] * s + point[1] * c, point[2]]
 
 
-def rolled(radius, shank_before, shank, yaw):
-    """Return how far (x, y) the contact of a round foot rolls on while its shank turns."""
-    way = radius * (shank - shank_before)
+def rolled(radius, pitch_before, pitch, yaw):
+    """Return how far (x, y) the contact of a round foot rolls on while its calf turns."""
+    way = radius * (pitch - pitch_before)
     return way * math.cos(yaw), way * math.sin(yaw)
 
 

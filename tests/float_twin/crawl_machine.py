@@ -12,7 +12,7 @@ from .crawl_plan import BodyMove
 from .fixed import limit
 
 SHIFT, LIFT, MOVE, TARE, DOWN, REST = range(6)
-LANDED, HIGH, VOID, SHIN, HIT, NOTHING, WARP = range(1, 8)
+LANDED, HIGH, VOID, CALF, HIT, NOTHING, WARP = range(1, 8)
 FR, FL, RR, RL = range(4)
 ORDER = (RL, FL, RR, FR)
 
@@ -316,7 +316,7 @@ class Machine:
         s.tare = limit(s.tare + gain * (felt.force[s.leg] - s.tare), -self.k.touch, self.k.touch)
 
     def lower(self, felt):
-        """Go down until something is met: ground, felt or pushed off, the shin's edge, a drop, or nothing at all."""
+        """Go down until something is met: ground, felt or pushed off, an edge under the calf, a drop, or nothing."""
         s, k = self.swing, self.k
         self.go_down(felt)
         touches = self.feels_ground(felt)
@@ -325,8 +325,8 @@ class Machine:
         near = self.doubt.above(k.drop_depth / 3, abs(z - s.expect), PLACE_ROUNDING)
         if near and self.doubt.above(pushed, k.stand_lift, TILT_ROUNDING):
             self.land(felt)
-        elif again and self.doubt.above(pushed, k.shin_lift, TILT_ROUNDING):
-            self.free_shin(felt, z)
+        elif again and self.doubt.above(pushed, k.calf_lift, TILT_ROUNDING):
+            self.free_calf(felt, z)
         elif touches and self.doubt.above(s.expect + k.highest_contact, z, PLACE_ROUNDING):
             self.touch(felt, z)
         elif again and not (s.touched or s.dropped) and self.doubt.above(below, k.drop_depth, PLACE_ROUNDING):
@@ -381,11 +381,11 @@ class Machine:
         self.again(x, apex)
         self.body.plan(self.feet, self.leg, self.over_foot(x), felt.heavy, self.leg, self.quick("acceleration"))
 
-    def free_shin(self, felt, z):
+    def free_calf(self, felt, z):
         """Off the edge and on a little."""
         s, k = self.swing, self.k
-        self.tell(SHIN, z - s.expect)
-        self.again_with_hip(felt, s.place[0] + k.edge_advance, max(z + k.shin_clear, s.expect + k.clear_ground))
+        self.tell(CALF, z - s.expect)
+        self.again_with_hip(felt, s.place[0] + k.edge_advance, max(z + k.calf_clear, s.expect + k.clear_ground))
 
     def touch(self, felt, z):
         """Stand here, or, on an edge where there should be none, look for a better place.

@@ -37,7 +37,7 @@ class Trouble:
     skew: float = 0.0  # load on the wrong diagonal before any warp
     sticks: bool = False  # that load stays on the leg that is to lift
     heavy: float = 0.0
-    shins: float = 0.0  # how many of the swings stand on their shin
+    calves: float = 0.0  # how many of the swings stand on their calf
     straight: float = 0.0  # how many end on a leg too straight to feel the ground, and push the body up from it
     clipped: float = 0.0
     pauses: float = 0.0  # how many of the ticks command nothing
@@ -178,13 +178,13 @@ class Pair:
         return x
 
     def push(self, leg, pressed):
-        """Push the corner of the body up over a leg that comes down on its shin, or straight on ground, until it lifts.
+        """Push the corner of the body up over a leg that comes down on its calf, or straight on ground, until it lifts.
 
         pressed: how far below the ground it is told to be, m.
         """
         c = self.crawl
         if c.stage.stage == at.LOWER and c.stage.stage_tick == 3:
-            self.pushed = self.dice.uniform(0.05, 0.15) if self.dice.random() < self.trouble.shins else 0.0
+            self.pushed = self.dice.uniform(0.05, 0.15) if self.dice.random() < self.trouble.calves else 0.0
             self.straight = self.dice.random() < self.trouble.straight
         elif c.stage.stage != at.LOWER:
             self.pushed, self.straight = 0.0, False

@@ -28,7 +28,7 @@ TROUBLES = st.builds(
     skew=st.floats(-1.6, 1.6),
     sticks=st.booleans(),
     heavy=st.sampled_from((0.0, 0.0, 0.5, 1.0)),
-    shins=st.sampled_from((0.0, 0.0, 0.4)),
+    calves=st.sampled_from((0.0, 0.0, 0.4)),
     straight=st.sampled_from((0.0, 0.4)),
     clipped=st.sampled_from((0.0, 0.1)),
     pauses=st.sampled_from((0.0, 0.05, 0.5)),
@@ -48,7 +48,7 @@ def test_whole_walks_go_the_same_way_to_the_tick_over_any_ground():
 
     @repeatable(30)
     @example(Trouble(steps=[(0.15, 0.03)]), ROBOTS[0], False, 1)
-    @example(Trouble(shins=0.4), ROBOTS[0], False, 1)
+    @example(Trouble(calves=0.4), ROBOTS[0], False, 1)
     @example(Trouble(straight=0.6), ROBOTS[0], False, 1)
     @example(Trouble(steps=[(0.14, -0.12)]), ROBOTS[0], False, 1)
     @example(Trouble(steps=[(0.17, 0.09)]), ROBOTS[0], False, 1)
@@ -61,7 +61,7 @@ def test_whole_walks_go_the_same_way_to_the_tick_over_any_ground():
         met.update(pair.met)
 
     walks()
-    assert met == {twin.LANDED, twin.HIGH, twin.VOID, twin.SHIN, twin.HIT, twin.NOTHING, twin.WARP}
+    assert met == {twin.LANDED, twin.HIGH, twin.VOID, twin.CALF, twin.HIT, twin.NOTHING, twin.WARP}
     assert turned < ticks / 1000
 
 
@@ -134,7 +134,7 @@ PLANTED = {
     "stride": 20,  # 0.15 mm
     "edge_height": 100,
     "drop_depth": 30,
-    "shin_lift": 60,
+    "calf_lift": 60,
     "stand_lift": 200,  # 1.5 mm: the foot goes 2 mm down in a tick
     "edge_advance": 60,
     "hind_lift": 60,
@@ -150,7 +150,7 @@ def test_a_setting_that_is_a_little_off_in_the_core_is_seen(setting):
         for seed in range(40):
             dice = random.Random(seed)
             steps = [(dice.uniform(0.05, 0.3), dice.choice((0.0185, 0.05, -0.03, -0.06)))]
-            pair = Pair(Trouble(steps=steps, shins=0.3, straight=0.3, pauses=0.1), dice)
+            pair = Pair(Trouble(steps=steps, calves=0.3, straight=0.3, pauses=0.1), dice)
             tuned = pair.crawl.params.crawl
             setattr(tuned, setting, getattr(tuned, setting) + PLANTED[setting])
             walked(pair, 12.0)
@@ -165,4 +165,4 @@ def test_a_stage_that_goes_on_a_tick_early_is_seen(monkeypatch):
         with monkeypatch.context() as planted:
             planted.setattr(crawl_steps, name, wrong)
             with pytest.raises(AssertionError, match="core"):
-                walked(Pair(Trouble(shins=1.0), random.Random(1)), 14.0)
+                walked(Pair(Trouble(calves=1.0), random.Random(1)), 14.0)

@@ -50,7 +50,7 @@ NO_LEG = Range(-1, 3)
 AXIS = Range(0, 2)
 AHEAD = Range(-(1 << 20), 1 << 20)
 TICKS = Range(0, 150)
-SHANK = Range(-98304, 98303)
+CALF_PITCH = Range(-98304, 98303)
 TILT = Range(-600, 600)
 SPEED = Range(0, 200000)
 SHARE = Range(0, 4096)
@@ -70,7 +70,7 @@ def _soil_map(dice, bits):
     for axis in range(6):
         MAP.body_pose[axis] = _near(dice, bits if axis < 3 else 22)
     for leg in range(4):
-        MAP.shank[leg] = SHANK.any(dice)
+        MAP.calf_pitch[leg] = CALF_PITCH.any(dice)
         SUPPORT.stance[leg] = dice.bits(1)
         SUPPORT.share_q12[leg] = SHARE.any(dice)
         SUPPORT.force_q12[leg] = FORCE.any(dice)
@@ -317,7 +317,7 @@ PROBES = (
     _stateful(crawl_steps, "hang_tick", (CRAWL, LEG)),
     _stateful(crawl_steps, "lower_tick", (CRAWL, LEG)),
     _stateful(crawl_steps, "lift_again", (CRAWL, PLACE, PLACE)),
-    _stateful(crawl_steps, "free_shin", (CRAWL, LEG)),
+    _stateful(crawl_steps, "free_calf", (CRAWL, LEG)),
     _stateful(crawl_steps, "touch", (CRAWL, LEG, PLACE)),
     _stateful(crawl_steps, "find_ground", (CRAWL, LEG)),
     _stateful(crawl_steps, "drop_front", (CRAWL, FLAG)),
