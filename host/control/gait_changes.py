@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from shared.crawl import state as crawl
-from shared.crawl.even import LEGS_EVEN
+from shared.crawl.ground import TROT_LANDINGS
 from shared.gait.table import MOVER_CRAWL, MOVER_TROT
 from shared.planner import handover
 from shared.planner import status as core
@@ -47,7 +47,7 @@ def change_reason(driver: Driver) -> str:
         handover.REASON_NONE: "",
         handover.REASON_HELD: "held up: its swings meet something again and again",
         handover.REASON_COMMAND: "the crawl was commanded" if exchange_phase(driver) else not_for_it,
-        handover.REASON_EVEN: f"even ground under the last {LEGS_EVEN} footholds",
+        handover.REASON_EVEN: f"even ground under the last {TROT_LANDINGS} footholds",
     }[driver.planner.status.reason]
 
 

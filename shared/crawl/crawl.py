@@ -58,8 +58,8 @@ def forget(crawl: Crawl) -> None:
     for axis in range(POSE_AXES):
         crawl.path.integral[axis] = 0
         crawl.path.sag[axis] = 0
-    crawl.even.landed = 0
-    crawl.even.even_steps = 0
+    crawl.ground.landings = 0
+    crawl.ground.even_landings = 0
     crawl.stage.ahead = 0
     crawl.event.code = 0
     crawl.event.number = 0

@@ -13,7 +13,7 @@ from ..body.stability import point_inside
 from ..num.filters import fraction, quintic_q15
 from ..num.fixed import atan2_brad, cos_q15, hypot, isqrt, mul_q15, saturate, sin_q15
 from ..runtime import const, hot
-from .even import strides_out
+from .ground import long_strides
 from .map import front_to_hind, mean_foot
 from .state import BodyPath, Crawl, Map
 
@@ -165,7 +165,7 @@ def move_ticks(crawl: Crawl) -> int:
     params = crawl.params
     path = crawl.path
     acceleration = params.crawl.body_acceleration
-    if strides_out(crawl.even):
+    if long_strides(crawl.ground):
         acceleration = params.crawl.quick_body_acceleration
     dx = path.to_pose.x - path.from_pose.x >> LF_BITS
     dy = path.to_pose.y - path.from_pose.y >> LF_BITS

@@ -121,11 +121,11 @@ class Contact:
 
 
 @record
-class Evenness:
+class Ground:
     """How even the ground has been."""
 
-    landed: int = field("", "legs that have landed since the start")
-    even_steps: int = field("", "legs that have landed in a row on even ground")
+    landings: int = field("", "of all legs since the start")
+    even_landings: int = field("", "of these the last in a row on even ground")
 
 
 @record
@@ -161,7 +161,7 @@ class Crawl:
         self.path = BodyPath()
         self.swing = Swing()
         self.contact = Contact()
-        self.even = Evenness()
+        self.ground = Ground()
         self.event = Event()
         self.goals = zeros(JOINTS)  # brad, of the tick before
         self.jumps = zeros(JOINTS)  # bf, what is left of the jumps where stance and swing meet

@@ -11,9 +11,9 @@ from ..body.params import FL, FR, LEGS, LF_BITS, RR
 from ..num.fixed import saturate
 from ..runtime import const, hot
 from .contact import corner_lift, feel_ground, feel_riser, keep_past, stands_straight, start_contact, take_tare
-from .even import note_landing, stride_lf, strides_out
 from .footholds import aim, draw_back, foothold_add, lay_between, next_foothold_x, steps_down
 from .goals import bridge
+from .ground import long_strides, note_landing, stride_lf
 from .pose import mass_target, move_body, plan_body, resting_x
 from .state import (
     EVENT_CALF,
@@ -57,7 +57,7 @@ def tell(crawl: Crawl, code: int, z_lf: int) -> None:
     event.z = z_lf >> LF_BITS
     event.number = event.number + 1 & 0xFFFFFF
     if code != EVENT_LANDED:
-        crawl.even.even_steps = 0
+        crawl.ground.even_landings = 0
 
 
 @hot
@@ -109,7 +109,7 @@ def plan_shift(crawl: Crawl) -> None:
     Before a step down the hip goes over the landing place: a straight leg keeps its calf off the edge.
     """
     leg = crawl.stage.leg
-    if leg >= RR and strides_out(crawl.even) == 0:
+    if leg >= RR and long_strides(crawl.ground) == 0:
         lay_between(crawl, leg)
     wanted = resting_x(crawl)
     if steps_down(crawl, leg):

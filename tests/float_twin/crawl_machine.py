@@ -23,8 +23,8 @@ TILT_ROUNDING = 0.3e-3  # m at the corners: 0.2 % of a way of 0.3 rad
 EVEN_ROUNDING = 0.15e-3
 QUINTIC_ROUNDING = 0.0026  # of the way
 TRIES, HITS = 3, 2
-SURE_LANDINGS = 3
-STRIDES_OUT = 8  # landings on even ground
+SLOPE_LANDINGS = 3
+LONG_STRIDE_LANDINGS = 8  # landings on even ground
 
 
 def tare_rounding(k):
@@ -55,7 +55,7 @@ class Machine:
         self.on_print = [True, False]
         self.guessed = [2, 3]
         self.turn, self.pace, self.warp = 0, 0.0, 0.0
-        self.steps_even, self.landed, self.events = 0, 0, []
+        self.even_landings, self.landings, self.events = 0, 0, []
         self.swing = None
         self.body = BodyMove(k, pose)
         self.plan_shift(heavy)
@@ -66,18 +66,18 @@ class Machine:
         return ORDER[self.turn % 4]
 
     @property
-    def strides_out(self):
+    def long_strides(self):
         """Return whether the ground has been even for long enough to go on in long and quick steps."""
-        return self.steps_even >= STRIDES_OUT
+        return self.even_landings >= LONG_STRIDE_LANDINGS
 
     @property
     def stride(self):
         """Return the stride; one leg brings the body on by a quarter of it."""
-        return self.k.long_stride if self.strides_out else self.k.stride
+        return self.k.long_stride if self.long_strides else self.k.stride
 
     def quick(self, name):
         """Return a speed or acceleration of the settings, on even ground its quick one."""
-        return getattr(self.k, f"quick_{name}" if self.strides_out else name)
+        return getattr(self.k, f"quick_{name}" if self.long_strides else name)
 
     def first_prints(self, side):
         """Return the prints that lie behind a robot that came this way."""
@@ -95,7 +95,7 @@ class Machine:
         """Note what has happened; anything but a landing ends even ground."""
         self.events.append((event, self.leg, z))
         if event != LANDED:
-            self.steps_even = 0
+            self.even_landings = 0
 
     def tick(self, felt):
         """Take one tick: pace and body go on whatever the stage is."""
@@ -140,7 +140,7 @@ class Machine:
 
     def plan_shift(self, heavy):
         """Move off the leg to come; before a step down its hip goes over the landing place if that is farther."""
-        if self.leg >= RR and not self.strides_out:
+        if self.leg >= RR and not self.long_strides:
             self.lay_between(self.leg)
         wanted = crawl.middle(self.feet)[0] + self.k.payload_forward * heavy
         if self.steps_down():
@@ -205,7 +205,7 @@ class Machine:
         if leg < RR:
             self.aim_front(self.swing)
             self.on_print[leg] = False
-        elif self.strides_out:
+        elif self.long_strides:
             self.aim_beside(self.swing)
         else:
             self.aim_hind(self.swing)
@@ -223,7 +223,7 @@ class Machine:
 
     def expected_rise(self, way):
         """Return how much the slope of the feet rises over a way; less than 4 mm, or not sure yet, counts as level."""
-        if self.steps_even < SURE_LANDINGS:
+        if self.even_landings < SLOPE_LANDINGS:
             return 0.0
         front, hind = crawl.middle(self.feet[:2]), crawl.middle(self.feet[2:])
         rise = way * (front[2] - hind[2]) / (front[0] - hind[0])
@@ -441,8 +441,9 @@ class Machine:
             self.prints[leg].append(list(self.feet[leg]))
             self.on_print[leg] = True
         off = crawl.uneven(self.feet, leg, (s.source[0], s.target[2]))
-        self.steps_even = 0 if self.doubt.above(off, self.k.drop_depth / 3, EVEN_ROUNDING) else self.steps_even + 1
-        self.landed += 1
+        uneven = self.doubt.above(off, self.k.drop_depth / 3, EVEN_ROUNDING)
+        self.even_landings = 0 if uneven else self.even_landings + 1
+        self.landings += 1
         self.turn += 1
         self.pace -= self.stride / 4
         self.enter(REST)

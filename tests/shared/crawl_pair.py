@@ -237,7 +237,7 @@ class Pair:
             for place in queue.places:
                 for axis in range(3):
                     place[axis] = c.map.feet[2 + side][axis] + self.spread(60)
-        c.support.warp, c.even.even_steps = self.spread(39), dice.choice((0, 1, 2, 3, 4, 5, 7, 8, 9))
+        c.support.warp, c.ground.even_landings = self.spread(39), dice.choice((0, 1, 2, 3, 4, 5, 7, 8, 9))
         way, pace = c_way(self.crawl), self.fine(self.k.stride / 4)
         c.stage.ahead = dice.choice((0, 1, -1, -way, -way - 1, pace, -pace))
         c.support.payload_q12 = dice.choice((0, 4096))
@@ -300,7 +300,7 @@ class Pair:
         other.guessed = [queue.guessed for queue in c.footholds.sides]
         other.on_print = [bool(queue.occupied) for queue in c.footholds.sides]
         other.warp, other.pace = self.metres((c.support.warp, c.stage.ahead))
-        other.steps_even, other.landed = c.even.even_steps, c.even.landed
+        other.even_landings, other.landings = c.ground.even_landings, c.ground.landings
         body = other.body
         poses = c.path.from_pose, c.path.to_pose, c.path.wanted
         body.start, body.goal, body.wanted = (self.pose(pose) for pose in poses)
@@ -372,8 +372,8 @@ class Pair:
             "on print": ([queue.occupied for queue in c.footholds.sides], [int(s) for s in other.on_print]),
             "guessed": ([queue.guessed for queue in c.footholds.sides], other.guessed),
             "prints": ([queue.waiting for queue in c.footholds.sides], [len(side) for side in other.prints]),
-            "even": (c.even.even_steps, other.steps_even),
-            "landed": (c.even.landed, other.landed),
+            "even landings": (c.ground.even_landings, other.even_landings),
+            "landings": (c.ground.landings, other.landings),
             "planned": (c.path.move_tick == 0, other.body.planned),
         }
         if other.swing:

@@ -13,8 +13,8 @@ from host.robot.plane import planar_robot
 from shared.body.params import FL
 from shared.crawl import state as at
 from shared.crawl.crawl import rebase
-from shared.crawl.even import LEGS_EVEN
 from shared.crawl.footholds import MOST_FOOTHOLDS, foothold_add, foothold_drop
+from shared.crawl.ground import TROT_LANDINGS
 from shared.crawl.map import fit_body
 from shared.crawl.state import Crawl, Footholds, Map
 from shared.crawl.swing import brake_speed
@@ -249,7 +249,7 @@ def test_the_trot_gives_way_to_the_crawl_where_it_is_held_up_and_goes_on_behind_
     assert 0.005 < x_m[backing[0]] - x_m[backing[-1]] < 0.14
     assert script.reasons[-1] == REASON_EVEN
     assert script.crawls[-1] == OFF
-    assert script.driver.planner.crawl.even.landed >= LEGS_EVEN
+    assert script.driver.planner.crawl.ground.landings >= TROT_LANDINGS
 
 
 @pytest.mark.parametrize("angle_deg", [8.0, -8.0])

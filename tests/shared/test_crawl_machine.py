@@ -70,7 +70,7 @@ def test_a_long_walk_on_level_ground_and_on_a_slope():
     for slope in (0.0, 0.15):
         pair = walked(Pair(Trouble(slope=slope), random.Random(1)), 50.0)
         assert pair.met == {twin.LANDED}
-        assert pair.twin.landed == pair.twin.steps_even > 16
+        assert pair.twin.landings == pair.twin.even_landings > 16
         while pair.twin.leg > 1 or pair.twin.stage != twin.MOVE:
             pair.tick()
         x, _, z = pair.twin.feet[pair.twin.leg]
@@ -84,14 +84,14 @@ def test_where_it_strides_out_it_meets_an_edge(robot, rise_m):
     """Long strides, then usual ones again: the hind feet that have strode out get two footholds before the edge."""
     pair = Pair(Trouble(steps=[(0.45, rise_m)]), random.Random(2), *robot)
     long = pair.crawl.params.crawl.long_stride * pair.unit_m
-    while not pair.twin.strides_out:
+    while not pair.twin.long_strides:
         pair.tick()
     steps, laid = [], False
     while not laid:
         waiting = [len(prints) for prints in pair.twin.prints]
         pair.tick()
         laid = any(then == 1 and len(now) == 3 for then, now in zip(waiting, pair.twin.prints, strict=True))
-        if pair.twin.strides_out and pair.twin.stage == twin.LIFT and pair.twin.ticks == 0:
+        if pair.twin.long_strides and pair.twin.stage == twin.LIFT and pair.twin.ticks == 0:
             steps.append(pair.twin.swing.target[0] - pair.twin.feet[pair.twin.leg][0])
     assert pair.met > {twin.LANDED}
     assert max(steps) == pytest.approx(long, rel=0.25)
@@ -118,7 +118,7 @@ QUICK = {"long_stride": 30, "quick_swing_speed": 15000, "quick_lower_acceleratio
 
 @pytest.mark.parametrize("setting", QUICK)
 def test_a_quick_setting_that_is_a_little_off_in_the_core_is_seen(setting):
-    """The comparison can fail where the crawl strides out, too."""
+    """The comparison can fail where strides are long, too."""
     pair = Pair(Trouble(), random.Random(1))
     tuned = pair.crawl.params.crawl
     setattr(tuned, setting, getattr(tuned, setting) + QUICK[setting])

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from shared.body.leg import LIMIT_CALF, LIMIT_HIP, LIMIT_THIGH
 from shared.crawl import contact, footholds
 from shared.crawl import crawl as core_crawl
-from shared.crawl import even as crawl_even
 from shared.crawl import goals as crawl_goals
+from shared.crawl import ground as crawl_ground
 from shared.crawl import map as crawl_map
 from shared.crawl import pose as crawl_pose
 from shared.crawl import swing as swing_leg
@@ -140,9 +140,9 @@ def test_even_ground_is_what_lies_on_one_slope(crawl, seed):
     put(crawl, feet)
     came_from = feet[leg][0] - 0.076, feet[leg][2] - dice.uniform(-0.02, 0.02)
     crawl.swing.departure.x, crawl.swing.target.z = fine(came_from[0]), fine(came_from[1])
-    crawl.even.even_steps = 5
-    count = crawl_even.note_landing(crawl, leg)
-    exact, found = twin.uneven(feet, leg, came_from), crawl_even.off_even(crawl, leg) * UNIT_M
+    crawl.ground.even_landings = 5
+    count = crawl_ground.note_landing(crawl, leg)
+    exact, found = twin.uneven(feet, leg, came_from), crawl_ground.unevenness(crawl, leg) * UNIT_M
     assert abs(found - exact) < 0.15 * MM
     if abs(exact - setting("drop_depth") / 3) > 0.2 * MM:
         assert count == (6 if exact < setting("drop_depth") / 3 else 0)
@@ -153,9 +153,9 @@ def test_astride_an_edge_is_not_even_although_four_feet_lie_on_a_slope(crawl):
     feet = [[0.125, -0.1, 0.04], [0.125, 0.1, 0.04], [-0.105, -0.1, 0.0], [-0.105, 0.1, 0.0]]
     put(crawl, feet)
     crawl.swing.departure.x, crawl.swing.target.z = fine(0.125 - 0.076), fine(0.04)
-    assert crawl_even.note_landing(crawl, 0) == 0
+    assert crawl_ground.note_landing(crawl, 0) == 0
     crawl.swing.target.z = fine(0.04 - 0.04 * 76 / 230)
-    assert crawl_even.note_landing(crawl, 0) == 1
+    assert crawl_ground.note_landing(crawl, 0) == 1
 
 
 @pytest.mark.parametrize("slope", [-0.2, -0.03, 0.03, 0.2])
@@ -165,7 +165,7 @@ def test_a_front_foot_expects_its_ground_on_a_slope_it_is_sure_of(crawl, slope):
     put(crawl, feet)
     rise = slope * (swing.front_target(feet[0][0], feet[1][0], setting("stride")) - feet[0][0])
     for landings, exact in ((2, 0.0), (3, rise if abs(rise) > 4 * MM else 0.0)):
-        crawl.even.even_steps = landings
+        crawl.ground.even_landings = landings
         footholds.aim(crawl, 0)
         assert crawl.swing.ground * FINE_M - feet[0][2] == pytest.approx(exact, abs=0.1 * MM)
 

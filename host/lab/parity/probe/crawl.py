@@ -3,8 +3,8 @@
 
 from shared.body.params import Params
 from shared.crawl import contact, crawl, footholds
-from shared.crawl import even as crawl_even
 from shared.crawl import goals as crawl_goals
+from shared.crawl import ground as crawl_ground
 from shared.crawl import map as crawl_map
 from shared.crawl import pose as crawl_pose
 from shared.crawl import steps as crawl_steps
@@ -36,9 +36,9 @@ FOOTHOLDS = CRAWL.footholds
 PATH = CRAWL.path
 FOOT = CRAWL.swing
 CONTACT = CRAWL.contact
-EVEN = CRAWL.even
+GROUND = CRAWL.ground
 EVENT = CRAWL.event
-STATE = (STAGE, MAP, SUPPORT, FOOTHOLDS, PATH, FOOT, CONTACT, EVEN, EVENT, CRAWL.goals, CRAWL.jumps)
+STATE = (STAGE, MAP, SUPPORT, FOOTHOLDS, PATH, FOOT, CONTACT, GROUND, EVENT, CRAWL.goals, CRAWL.jumps)
 SENSING = Sensing()
 MEASURED = MeasuredFeet()
 JOINTS = zeros(12)
@@ -137,8 +137,8 @@ def _soil_stage(dice):
     EVENT.code = dice.bits(3)
     EVENT.leg = dice.bits(2)
     EVENT.number = PREVIOUS.any(dice)
-    EVEN.landed = PREVIOUS.any(dice)
-    EVEN.even_steps = PREVIOUS.any(dice)
+    GROUND.landings = PREVIOUS.any(dice)
+    GROUND.even_landings = PREVIOUS.any(dice)
 
 
 def _soil(values, dice):
@@ -256,7 +256,7 @@ PROBES = (
     _stateful(footholds, "aim", (CRAWL, LEG)),
     _stateful(footholds, "aim_front", (CRAWL, FLAG)),
     _stateful(footholds, "aim_hind", (CRAWL, HIND)),
-    _stateful(footholds, "stride_hind", (CRAWL, HIND)),
+    _stateful(footholds, "aim_hind_even", (CRAWL, HIND)),
     _stateful(footholds, "lay_between", (CRAWL, HIND)),
     _stateful(footholds, "steps_down", (CRAWL, LEG)),
     _stateful(footholds, "next_foothold_x", (FOOTHOLDS, HIND)),
@@ -323,12 +323,12 @@ PROBES = (
     _stateful(crawl_steps, "drop_front", (CRAWL, FLAG)),
     _stateful(crawl_steps, "drop_hind", (CRAWL, HIND)),
     _stateful(crawl_steps, "land", (CRAWL, LEG)),
-    _stateful(crawl_even, "note_landing", (CRAWL, LEG)),
-    _stateful(crawl_even, "off_even", (CRAWL, LEG)),
-    _stateful(crawl_even, "feet_length", (MAP,)),
-    _stateful(crawl_even, "feet_rise", (MAP,)),
-    _stateful(crawl_even, "expected_rise", (CRAWL, AHEAD)),
-    Probe(crawl_even, "off_slope", (PLACE, PLACE, Range(1, 16383), FORCE)),
+    _stateful(crawl_ground, "note_landing", (CRAWL, LEG)),
+    _stateful(crawl_ground, "unevenness", (CRAWL, LEG)),
+    _stateful(crawl_ground, "feet_length", (MAP,)),
+    _stateful(crawl_ground, "feet_rise", (MAP,)),
+    _stateful(crawl_ground, "expected_rise", (CRAWL, AHEAD)),
+    Probe(crawl_ground, "off_slope", (PLACE, PLACE, Range(1, 16383), FORCE)),
     _stateful(crawl, "forget", (CRAWL,)),
     _stateful(crawl, "start_map", (CRAWL, SENSING, JOINTS, TILT, TILT)),
     _stateful(crawl, "start_support", (SENSING, SUPPORT)),
@@ -341,9 +341,9 @@ PROBES = (
     _backing(retreat, "retreat_start", (RETREAT,)),
     _backing(retreat, "retreat_step", (ROBOT, COMMAND, MOVED, FLAG, RETREAT, TOLD), watch=(TOLD, RETREAT)),
     Probe(handover, "crawl_can_follow", (ROBOT, COMMAND), fit=_any_speed),
-    _stateful(crawl_even, "ground_even", (EVEN,)),
-    _stateful(crawl_even, "strides_out", (EVEN,)),
-    _stateful(crawl_even, "stride_lf", (CRAWL,)),
+    _stateful(crawl_ground, "even_for_trot", (GROUND,)),
+    _stateful(crawl_ground, "long_strides", (GROUND,)),
+    _stateful(crawl_ground, "stride_lf", (CRAWL,)),
     Probe(handover, "fade_start", (ROBOT, FADE, JOINTS), watch=(FADE,), fit=_any_fade),
     Probe(handover, "fade_out", (FADE, JOINTS), watch=(FADE, JOINTS), fit=_any_fade),
     _walking(crawl, "crawl_tick", (CRAWL, SENSING, JOINTS, TILT, TILT, AHEAD, GOALS), watch=(GOALS,) + STATE),
