@@ -54,7 +54,7 @@ def forget(crawl: Crawl) -> None:
         support.stance[leg] = 0
         support.force_q12[leg] = 0
     support.payload_q12 = 0
-    support.warp = 0
+    support.diagonal_offset = 0
     for axis in range(POSE_AXES):
         crawl.path.integral[axis] = 0
         crawl.path.sag[axis] = 0

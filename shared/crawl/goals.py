@@ -19,15 +19,15 @@ from ..runtime import Ints, const, hot
 from .pose import mass_ahead
 from .state import Crawl, Support
 
-_WARP_SIGNS = const(6)  # bits of the legs FL and RR: they go down where FR and RL go up
+_LOWERED_LEGS = const(6)  # bits of FL and RR: they go down where FR and RL go up
 
 
 @hot
-def foot_warp(support: Support, leg: int) -> int:
-    """Return the warp of ``leg``, lf: + for FR and RL, - for FL and RR."""
-    if _WARP_SIGNS >> leg & 1:
-        return -support.warp
-    return support.warp
+def foot_offset(support: Support, leg: int) -> int:
+    """Return by how much the diagonal offset raises a stance foot, lf: FR and RL by it, FL and RR against it."""
+    if _LOWERED_LEGS >> leg & 1:
+        return -support.diagonal_offset
+    return support.diagonal_offset
 
 
 @hot
@@ -106,7 +106,7 @@ def place_foot(crawl: Crawl, leg: int, swings: int) -> None:
         foot_in_body(crawl, leg, swing.place.x, swing.place.y, swing.place.z)
     else:
         foot = crawl.map.feet[leg]
-        foot_in_body(crawl, leg, foot.x, foot.y, foot.z + foot_warp(crawl.support, leg))
+        foot_in_body(crawl, leg, foot.x, foot.y, foot.z + foot_offset(crawl.support, leg))
     body_to_hip(crawl.params, leg, crawl.level, crawl.rotation, crawl.feet, crawl.hip_feet)
     if swings:
         swing.leg_length = plane_length(crawl.params, leg, crawl.hip_feet)

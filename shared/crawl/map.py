@@ -151,9 +151,9 @@ def fit_body(crawl: Crawl, sensing: Sensing) -> None:
 def follow_slips(crawl: Crawl) -> None:
     """Let the map's places of loaded feet follow slowly where the feet are seen.
 
-    Only feet that carry count, with more than half their share; in the plane, where no warp brings an unloaded foot
-    down again, the others too. A foot that is far off in height is followed fast: it stood on something that
-    gave way.
+    Only feet that carry count, with more than half their share; in the plane, where no diagonal offset brings an
+    unloaded foot down again, the others too. A foot that is far off in height is followed fast: it stood on something
+    that gave way.
     """
     params = crawl.params
     support = crawl.support

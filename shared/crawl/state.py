@@ -24,7 +24,7 @@ EVENT_DROP = const(3)  # no ground where it was expected: another try further ou
 EVENT_CALF = const(4)  # the calf, not the foot, stands on an edge
 EVENT_RISER = const(5)  # the foot ran into a riser
 EVENT_NO_GROUND = const(6)  # no ground at all: the foot is left hanging
-EVENT_WARP = const(7)  # the loads of the diagonals could not be brought to what was wanted
+EVENT_DIAGONALS = const(7)  # the loads of the diagonals could not be brought to what was wanted
 
 PAST_SIZE = const(32)  # ticks
 MOST_FOOTHOLDS = const(4)  # of a side
@@ -54,7 +54,7 @@ class Support:
     weight_q20: int = field("own weight", "carried, payload included, as the feet tell it")
     weight_q12: int = field("own weight", "the same within 0.7 .. 2.5")
     payload_q12: int = field("", "payload: 0 up to 1.15 own weights, 4096 from 1.65 on")
-    warp: int = field("lf", "of the diagonal FR, RL upwards, of the other downwards")
+    diagonal_offset: int = field("lf", "of the feet FR, RL upwards, of the other two downwards")
     margin: int = field("lu", "centre of mass inside the support polygon")
 
 
@@ -143,7 +143,7 @@ class Stage:
 class Event:
     """What a leg met last, to be told."""
 
-    code: int = field("", "EVENT_NONE .. EVENT_WARP")
+    code: int = field("", "EVENT_NONE .. EVENT_DIAGONALS")
     leg: int = field("", "which")
     z: int = field("lu", "off the expected height")
     number: int = field("", "how many so far: a change is news")

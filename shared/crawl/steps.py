@@ -22,7 +22,7 @@ from .state import (
     EVENT_NO_GROUND,
     EVENT_RISER,
     EVENT_STEP,
-    EVENT_WARP,
+    EVENT_DIAGONALS,
     HANG,
     LIFT,
     LOWER,
@@ -149,16 +149,16 @@ def shift_tick(crawl: Crawl, leg: int) -> None:
     error = match_diagonals(crawl, leg)
     if support.share_q12[leg] or stage.stage_tick <= path.move_ticks + params.crawl.settle_ticks:
         return
-    if stage.stage_tick > path.move_ticks + params.crawl.warp_ticks:
-        tell(crawl, EVENT_WARP, support.warp)
+    if stage.stage_tick > path.move_ticks + params.crawl.diagonal_ticks:
+        tell(crawl, EVENT_DIAGONALS, support.diagonal_offset)
         lift_off(crawl, leg)
-    elif error < params.crawl.warp_least_q12 and error > -params.crawl.warp_least_q12:
+    elif error < params.crawl.diagonal_error_q12 and error > -params.crawl.diagonal_error_q12:
         lift_off(crawl, leg)
 
 
 @hot
 def match_diagonals(crawl: Crawl, leg: int) -> int:
-    """Move the warp so that both diagonals carry what they should; return the error, Q12 of the own weight.
+    """Move the diagonal offset so that both diagonals carry what they should; return the error, Q12 of the own weight.
 
     Four feet on uneven ground are one too many to know their loads: one diagonal may carry it all. Nothing
     is left to see once the leg that lifts is free.
@@ -176,9 +176,9 @@ def match_diagonals(crawl: Crawl, leg: int) -> int:
             gap = -gap
         error += gap
     error = saturate(error, -16383, 16383)
-    most = params.crawl.warp_max << LF_BITS
-    step = saturate(error * params.crawl.warp_gain >> 12, -params.crawl.warp_speed, params.crawl.warp_speed)
-    support.warp = saturate(support.warp + step, -most, most)
+    most = params.crawl.diagonal_max << LF_BITS
+    step = saturate(error * params.crawl.diagonal_gain >> 12, -params.crawl.diagonal_speed, params.crawl.diagonal_speed)
+    support.diagonal_offset = saturate(support.diagonal_offset + step, -most, most)
     return error
 
 

@@ -38,16 +38,16 @@ def planned_loads(feet, shares, pose, com, weight):
     return [weight * part for part in parts], load.margin(corners, (ahead, 0.0))
 
 
-def goals(feet, stands, swing_at, wanted, low, commanded, warp, legs):
-    """Return the legs' angles: those that stand under the commanded pose, warped; the one in the air under the wanted.
+def goals(feet, stands, swing_at, wanted, low, commanded, diagonal_offset, legs):
+    """Return the legs' angles: those that stand under the commanded pose, the one in the air under the wanted.
 
-    ``low``: what the measured pose was off the wanted one of late. ``warp``: FR and RL up, FL and RR down.
+    ``low``: what the measured pose was off the wanted one of late. ``diagonal_offset``: FR and RL up, FL and RR down.
     """
     angles = []
     for leg, shape in enumerate(legs):
         foot, pose = list(feet[leg]), commanded
         if stands[leg]:
-            foot[2] += warp if leg in (0, 3) else -warp
+            foot[2] += diagonal_offset if leg in (0, 3) else -diagonal_offset
         else:
             foot, pose = swing_at, [a + b for a, b in zip(wanted, low)]
         angles.append(crawl.leg_joints(foot, pose, shape))

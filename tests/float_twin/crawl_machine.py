@@ -12,7 +12,7 @@ from .crawl_plan import BodyMove
 from .fixed import limit
 
 SHIFT, LIFT, MOVE, TARE, DOWN, REST = range(6)
-LANDED, HIGH, VOID, CALF, HIT, NOTHING, WARP = range(1, 8)
+LANDED, HIGH, VOID, CALF, HIT, NOTHING, DIAGONALS = range(1, 8)
 FR, FL, RR, RL = range(4)
 ORDER = (RL, FL, RR, FR)
 
@@ -54,7 +54,7 @@ class Machine:
         self.prints = [self.first_prints(side) for side in range(2)]
         self.on_print = [True, False]
         self.guessed = [2, 3]
-        self.turn, self.pace, self.warp = 0, 0.0, 0.0
+        self.turn, self.pace, self.diagonal_offset = 0, 0.0, 0.0
         self.even_landings, self.landings, self.events = 0, 0, []
         self.swing = None
         self.body = BodyMove(k, pose)
@@ -179,14 +179,14 @@ class Machine:
         error = self.match_diagonals(felt)
         if self.share[leg] > 0 or self.ticks <= move.ticks + k.settle_ticks:
             return
-        if self.ticks > move.ticks + k.warp_ticks:
-            self.tell(WARP, self.warp)
+        if self.ticks > move.ticks + k.diagonal_ticks:
+            self.tell(DIAGONALS, self.diagonal_offset)
             self.leave_ground(felt)
         elif not self.doubt.above(abs(error), 4 * NEWTON, FORCE_ROUNDING):
             self.leave_ground(felt)
 
     def match_diagonals(self, felt):
-        """Warp the feet against too much load on FR and RL; return that. Nothing shows when the leg is free."""
+        """Offset the diagonals against too much load on FR and RL; return that. Nothing shows when the leg is free."""
         leg = self.leg
         if self.k.planar:
             return 0.0
@@ -194,8 +194,8 @@ class Machine:
             return 0.0
         over = [force - load for force, load in zip(felt.force, felt.load)]
         error = limit(over[FR] + over[RL] - over[FL] - over[RR], -4.0, 4.0)
-        step = limit(error * self.k.warp_gain, -self.k.warp_speed, self.k.warp_speed)
-        self.warp = limit(self.warp + step, -self.k.warp_max, self.k.warp_max)
+        step = limit(error * self.k.diagonal_gain, -self.k.diagonal_speed, self.k.diagonal_speed)
+        self.diagonal_offset = limit(self.diagonal_offset + step, -self.k.diagonal_max, self.k.diagonal_max)
         return error
 
     def leave_ground(self, felt):

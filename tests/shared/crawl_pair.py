@@ -34,7 +34,7 @@ class Trouble:
     slope: float = 0.0
     tare: float = 0.0  # what a hanging leg reads
     noise: float = 0.0
-    skew: float = 0.0  # load on the wrong diagonal before any warp
+    skew: float = 0.0  # load on the wrong diagonal before any offset
     sticks: bool = False  # that load stays on the leg that is to lift
     heavy: float = 0.0
     calves: float = 0.0  # how many of the swings stand on their calf
@@ -140,13 +140,13 @@ class Pair:
         )
 
     def sense_standing(self, leg):
-        """A foot that stands carries its share, and what is wrong with the diagonals; a warp takes that away."""
+        """A foot that stands carries its share, and what is wrong with the diagonals; their offset takes that away."""
         c, trouble = self.crawl, self.trouble
-        warp = c.support.warp * self.fine_m / (0.04 * self.size)
+        offset = c.support.diagonal_offset * self.fine_m / (0.04 * self.size)
         share = c.support.share_q12[leg] / 4096
         sign = 1 if leg in (twin.FR, twin.RL) else -1
         load = 0.3 * share
-        wrong = trouble.skew - warp + trouble.noise * self.dice.uniform(-0.2, 0.2)
+        wrong = trouble.skew - offset + trouble.noise * self.dice.uniform(-0.2, 0.2)
         wrong *= sign * 0.25 * (1.0 if trouble.sticks else share)
         c.support.load_q12[leg], c.support.force_q12[leg] = round(load * 4096), round((load + wrong) * 4096)
         copy(c.map.feet[leg], c.map.seen[leg])
@@ -237,7 +237,7 @@ class Pair:
             for place in queue.places:
                 for axis in range(3):
                     place[axis] = c.map.feet[2 + side][axis] + self.spread(60)
-        c.support.warp, c.ground.even_landings = self.spread(39), dice.choice((0, 1, 2, 3, 4, 5, 7, 8, 9))
+        c.support.diagonal_offset, c.ground.even_landings = self.spread(39), dice.choice((0, 1, 2, 3, 4, 5, 7, 8, 9))
         way, pace = c_way(self.crawl), self.fine(self.k.stride / 4)
         c.stage.ahead = dice.choice((0, 1, -1, -way, -way - 1, pace, -pace))
         c.support.payload_q12 = dice.choice((0, 4096))
@@ -277,7 +277,7 @@ class Pair:
         c.swing.speed = dice.randrange(k.known_lower_speed)
         c.swing.way_ticks = dice.randrange(k.swing_ticks, 4 * k.swing_ticks)
         times = (c.path.move_ticks + k.settle_ticks, c.path.move_ticks // 2, c.swing.way_ticks, k.hang_ticks)
-        times += (k.hang_skip_ticks, k.riser_skip_ticks, c.path.move_ticks + k.warp_ticks)
+        times += (k.hang_skip_ticks, k.riser_skip_ticks, c.path.move_ticks + k.diagonal_ticks)
         c.stage.stage_tick = max(0, dice.choice(times) + dice.randint(-2, 2))
         c.swing.tries, c.swing.risers = dice.randrange(4), dice.randrange(3)
         c.swing.dropped, c.swing.known = (dice.randrange(2), 0) if leg < 2 else (0, dice.randrange(2))
@@ -299,7 +299,7 @@ class Pair:
             other.prints[side] = self.prints(side, c.footholds.sides[side].waiting)
         other.guessed = [queue.guessed for queue in c.footholds.sides]
         other.on_print = [bool(queue.occupied) for queue in c.footholds.sides]
-        other.warp, other.pace = self.metres((c.support.warp, c.stage.ahead))
+        other.diagonal_offset, other.pace = self.metres((c.support.diagonal_offset, c.stage.ahead))
         other.even_landings, other.landings = c.ground.even_landings, c.ground.landings
         body = other.body
         poses = c.path.from_pose, c.path.to_pose, c.path.wanted
@@ -397,7 +397,7 @@ class Pair:
             ("feet", self.feet(c.map.feet), other.feet),
             ("shares", [value / 4096 for value in c.support.share_q12[:4]], other.share),
             ("pace", [c.stage.ahead * self.fine_m], [other.pace]),
-            ("warp", [c.support.warp * self.fine_m], [other.warp]),
+            ("diagonal offset", [c.support.diagonal_offset * self.fine_m], [other.diagonal_offset]),
             ("body", self.pose(c.path.wanted)[:3], other.body.wanted[:3]),
             ("tilt", self.pose(c.path.wanted)[3:], other.body.wanted[3:]),
         ]
@@ -466,7 +466,7 @@ BOUNDS = {
     "prints": 0.01 * MM,
     "shares": 1e-9,
     "pace": 1e-9,
-    "warp": 0.03 * MM,
+    "diagonal offset": 0.03 * MM,
     "body": 0.2 * MM,
     "tilt": 0.6e-3,
     "foot": 0.2 * MM,

@@ -61,7 +61,7 @@ def test_whole_walks_go_the_same_way_to_the_tick_over_any_ground():
         met.update(pair.met)
 
     walks()
-    assert met == {twin.LANDED, twin.HIGH, twin.VOID, twin.CALF, twin.HIT, twin.NOTHING, twin.WARP}
+    assert met == {twin.LANDED, twin.HIGH, twin.VOID, twin.CALF, twin.HIT, twin.NOTHING, twin.DIAGONALS}
     assert turned < ticks / 1000
 
 

@@ -492,11 +492,11 @@ def test_all_goals_stance_swing_and_what_is_left_of_a_jump(crawl, seed, lifts):
     for axis in range(6):
         unit = fine if axis < 3 else bf
         c.path.wanted[axis], c.path.sag[axis] = unit(wanted[axis]), unit(low[axis])
-    air, warp = [feet[leg][0], feet[leg][1], feet[leg][2] + 0.02], dice.uniform(-0.01, 0.01)
+    air, offset = [feet[leg][0], feet[leg][1], feet[leg][2] + 0.02], dice.uniform(-0.01, 0.01)
     unpack(c.swing.place, [fine(value) for value in air])
-    c.support.warp, c.support.stance[leg], c.stage.leg = fine(warp), 1 - lifts, leg
+    c.support.diagonal_offset, c.support.stance[leg], c.stage.leg = fine(offset), 1 - lifts, leg
     stands = [other != leg or not lifts for other in range(4)]
-    exact = carry.goals(feet, stands, air, wanted, low, commanded, warp, LEGS)
+    exact = carry.goals(feet, stands, air, wanted, low, commanded, offset, LEGS)
     before = [round((angle + 0.03) / (2 * math.pi) * 65536) for angle in exact[leg]]
     c.goals[leg * 3 : leg * 3 + 3] = before
     crawl_goals.bridge(crawl, leg, lifts)

@@ -78,7 +78,7 @@ def _soil_map(dice, bits):
     SUPPORT.weight_q12 = 2867 + dice.below(10240 - 2867)
     SUPPORT.weight_q20 = dice.below(16383 << 8)
     SUPPORT.payload_q12 = SHARE.any(dice)
-    SUPPORT.warp = dice.below(2 * 1342208) - 1342208
+    SUPPORT.diagonal_offset = dice.below(2 * 1342208) - 1342208
     SUPPORT.margin = PREVIOUS.any(dice)
 
 
@@ -293,7 +293,7 @@ PROBES = (
     _stateful(crawl_pose, "move_ticks", (CRAWL,)),
     _stateful(crawl_pose, "move_body", (PATH,)),
     _stateful(crawl_pose, "hold_pose", (CRAWL,)),
-    _stateful(crawl_goals, "foot_warp", (SUPPORT, LEG)),
+    _stateful(crawl_goals, "foot_offset", (SUPPORT, LEG)),
     _stateful(crawl_goals, "plan_loads", (CRAWL,)),
     _stateful(crawl_goals, "take_pose", (CRAWL, FLAG)),
     _stateful(crawl_goals, "foot_in_body", (CRAWL, LEG, PLACE, PLACE, PLACE)),
