@@ -16,7 +16,7 @@ from ..body.stability import support_margin
 from ..num.filters import fraction
 from ..num.fixed import cos_q15, saturate, sin_q15
 from ..runtime import Ints, const, hot
-from .pose import mass_ahead
+from .pose import com_ahead
 from .state import Crawl, Support
 
 _LOWERED_LEGS = const(6)  # bits of FL and RR: they go down where FR and RL go up
@@ -38,7 +38,7 @@ def plan_loads(crawl: Crawl) -> int:
     support = crawl.support
     feet = crawl.feet
     weights = crawl.weights
-    ahead = mass_ahead(params, path.wanted.pitch >> LF_BITS)
+    ahead = com_ahead(params, path.wanted.pitch >> LF_BITS)
     planar = 0
     if params.lateral_q12 == 0:
         planar = 1
@@ -70,7 +70,7 @@ def take_pose(crawl: Crawl, swings: int) -> None:
     for axis in range(POSE_AXES):
         value = path.commanded[axis]
         if swings:
-            value = path.wanted[axis] + path.sag[axis]
+            value = path.wanted[axis] + path.deviation[axis]
         pose[axis] = value + 128 >> LF_BITS
     heading = pose.yaw
     pose.yaw = 0
@@ -129,7 +129,7 @@ def leg_goal(crawl: Crawl, leg: int, swings: int) -> int:
 
 
 @hot
-def bridge(crawl: Crawl, leg: int, swings: int) -> None:
+def absorb_jump(crawl: Crawl, leg: int, swings: int) -> None:
     """Take the jump that ``leg`` would make by changing to stance (0) or swing (1) into its offsets."""
     take_pose(crawl, swings)
     leg_goal(crawl, leg, swings)

@@ -101,18 +101,18 @@ def turn_feet(sensing: Sensing, map: Map) -> None:
     cosine = cos_q15(map.body_pose.yaw >> LF_BITS) >> 1
     sine = sin_q15(map.body_pose.yaw >> LF_BITS) >> 1
     for leg in range(LEGS):
-        seen = map.seen[leg]
+        measured = map.measured[leg]
         level = sensing.level[leg]
         x = level.x
         y = level.y
-        seen.x = x * cosine - y * sine + 32 >> 6
-        seen.y = x * sine + y * cosine + 32 >> 6
-        seen.z = level.z << LF_BITS
+        measured.x = x * cosine - y * sine + 32 >> 6
+        measured.y = x * sine + y * cosine + 32 >> 6
+        measured.z = level.z << LF_BITS
 
 
 @hot
 def fit_body(crawl: Crawl, sensing: Sensing) -> None:
-    """Update heading and place of the body from the stance feet, and where all feet are seen.
+    """Update heading and place of the body from the stance feet, and where the measured feet are.
 
     The place moves by the weighted mean of what separates the map places from the measured feet, in 1/16 lu,
     each within +-32767 lu. Intermediates: 2^19 * 256 * 4 = 2^29.
@@ -132,24 +132,24 @@ def fit_body(crawl: Crawl, sensing: Sensing) -> None:
     z = 0
     for leg in range(LEGS):
         foot = map.feet[leg]
-        seen = map.seen[leg]
-        x += weights[leg] * saturate(foot.x - map.body_pose.x - seen.x + 8 >> 4, -0x7FFFF, 0x7FFFF)
-        y += weights[leg] * saturate(foot.y - map.body_pose.y - seen.y + 8 >> 4, -0x7FFFF, 0x7FFFF)
-        z += weights[leg] * saturate(foot.z - map.body_pose.z - seen.z + 8 >> 4, -0x7FFFF, 0x7FFFF)
+        measured = map.measured[leg]
+        x += weights[leg] * saturate(foot.x - map.body_pose.x - measured.x + 8 >> 4, -0x7FFFF, 0x7FFFF)
+        y += weights[leg] * saturate(foot.y - map.body_pose.y - measured.y + 8 >> 4, -0x7FFFF, 0x7FFFF)
+        z += weights[leg] * saturate(foot.z - map.body_pose.z - measured.z + 8 >> 4, -0x7FFFF, 0x7FFFF)
     if total:
         map.body_pose.x += x // total << 4
         map.body_pose.y += y // total << 4
         map.body_pose.z += z // total << 4
     for leg in range(LEGS):
-        seen = map.seen[leg]
-        seen.x += map.body_pose.x
-        seen.y += map.body_pose.y
-        seen.z += map.body_pose.z
+        measured = map.measured[leg]
+        measured.x += map.body_pose.x
+        measured.y += map.body_pose.y
+        measured.z += map.body_pose.z
 
 
 @hot
 def follow_slips(crawl: Crawl) -> None:
-    """Let the map's places of loaded feet follow slowly where the feet are seen.
+    """Let the map's places of loaded feet follow slowly where the feet are measured.
 
     Only feet that carry count, with more than half their share; in the plane, where no diagonal offset brings an
     unloaded foot down again, the others too. A foot that is far off in height is followed fast: it stood on something
@@ -165,10 +165,10 @@ def follow_slips(crawl: Crawl) -> None:
     for leg in range(LEGS):
         if support.stance[leg] and support.share_q12[leg] > _HALF_SHARE_Q12 and support.force_q12[leg] > least:
             foot = map.feet[leg]
-            seen = map.seen[leg]
-            foot.x += fraction(saturate(seen.x - foot.x, -0xFFFFFF, 0xFFFFFF), params.crawl.slip_level_q15)
-            foot.y += fraction(saturate(seen.y - foot.y, -0xFFFFFF, 0xFFFFFF), params.crawl.slip_level_q15)
-            gap = saturate(seen.z - foot.z, -0xFFFFFF, 0xFFFFFF)
+            measured = map.measured[leg]
+            foot.x += fraction(saturate(measured.x - foot.x, -0xFFFFFF, 0xFFFFFF), params.crawl.slip_level_q15)
+            foot.y += fraction(saturate(measured.y - foot.y, -0xFFFFFF, 0xFFFFFF), params.crawl.slip_level_q15)
+            gap = saturate(measured.z - foot.z, -0xFFFFFF, 0xFFFFFF)
             gain = params.crawl.slip_height_q15
             if gap > far or gap < -far:
                 gain = params.crawl.slip_far_q15

@@ -39,7 +39,7 @@ def feet_pitch(params: Params, map: Map) -> int:
 
 
 @hot
-def mass_ahead(params: Params, pitch: int) -> int:
+def com_ahead(params: Params, pitch: int) -> int:
     """Return how far the centre of mass is in front of the body's place at ``pitch`` (brad), lu. Error 1 lu."""
     return mul_q15(params.com_x, cos_q15(pitch)) + mul_q15(params.crawl.com_z, sin_q15(pitch))
 
@@ -56,7 +56,7 @@ def take_feet(crawl: Crawl) -> None:
 
 
 @hot
-def mass_target(crawl: Crawl, leg: int, wanted_x: int) -> None:
+def com_target(crawl: Crawl, leg: int, wanted_x: int) -> None:
     """Write into ``crawl.point`` (x, y in lu of the map) where the centre of mass goes before ``leg`` lifts.
 
     The nearest point to (wanted_x lu, mean y) that is inside the triangle of the other three by the margin; in
@@ -126,7 +126,7 @@ def plan_body(crawl: Crawl, skip: int) -> int:
     path = crawl.path
     pose = crawl.pose
     pitch = feet_pitch(params, map)
-    pose.x = crawl.point.x - mass_ahead(params, pitch)
+    pose.x = crawl.point.x - com_ahead(params, pitch)
     pose.y = crawl.point.y
     height = params.crawl.height + (params.crawl.payload_height * crawl.support.payload_q12 >> 12)
     pose.z = (mean_foot(map, 2) >> LF_BITS) + height
@@ -178,9 +178,9 @@ def move_ticks(crawl: Crawl) -> int:
     turn = path.to_pose.pitch - path.from_pose.pitch >> LF_BITS
     if turn < 0:
         turn = -turn
-    nod = mul_q15(saturate(turn, 0, 32767), _TURN_RATE_Q15) * (params.crawl.half_length >> 3)
-    if nod > rise:
-        rise = nod
+    hip_rise = mul_q15(saturate(turn, 0, 32767), _TURN_RATE_Q15) * (params.crawl.half_length >> 3)
+    if hip_rise > rise:
+        rise = hip_rise
     if rise // params.crawl.body_speed > ticks:
         ticks = rise // params.crawl.body_speed
     if ticks < params.crawl.body_ticks:
@@ -224,8 +224,8 @@ def hold_pose(crawl: Crawl) -> None:
         integral = saturate(path.integral[axis] + fraction(error, gain), -limit, limit)
         path.integral[axis] = integral
         path.commanded[axis] = wanted + saturate(fraction(error, params.crawl.error_q15) + integral, -limit, limit)
-        away = saturate(measured - wanted, -0xFFFFFF, 0xFFFFFF)
-        path.sag[axis] += fraction(away - path.sag[axis], params.crawl.sag_q15)
+        deviation = saturate(measured - wanted, -0xFFFFFF, 0xFFFFFF)
+        path.deviation[axis] += fraction(deviation - path.deviation[axis], params.crawl.deviation_q15)
     if params.lateral_q12 == 0:
         path.commanded.y = 0
         path.commanded.roll = 0

@@ -26,7 +26,7 @@ EVENT_RISER = const(5)  # the foot ran into a riser
 EVENT_NO_GROUND = const(6)  # no ground at all: the foot is left hanging
 EVENT_DIAGONALS = const(7)  # the loads of the diagonals could not be brought to what was wanted
 
-PAST_SIZE = const(32)  # ticks
+HISTORY_TICKS = const(32)  # ticks
 MOST_FOOTHOLDS = const(4)  # of a side
 
 
@@ -38,7 +38,7 @@ class Map:
     """
 
     feet: list[Point] = parts(LEGS, Point, "where FR, FL, RR, RL stand, lf")
-    seen: list[Point] = parts(LEGS, Point, "where the measured joints say that they are, lf")
+    measured: list[Point] = parts(LEGS, Point, "where they are by the measured joints, lf")
     body_pose: Pose = part(Pose, "where the body is, lf, bf")
     calf_pitch: Ints = vector(LEGS, "brad", "pitch of the calf in the tick before")
 
@@ -87,7 +87,7 @@ class BodyPath:
     lagged: Ints = vector(POSE_AXES, "lf, bf", "the wanted pose, as late as servos and bus are")
     integral: Ints = vector(POSE_AXES, "lf, bf", "of the pose loop")
     commanded: Pose = part(Pose, "pose that the stance legs are told")
-    sag: Ints = vector(POSE_AXES, "lf, bf", "measured less wanted pose, smoothed")
+    deviation: Ints = vector(POSE_AXES, "lf, bf", "measured less wanted pose, smoothed")
 
 
 @record
@@ -116,7 +116,7 @@ class Contact:
     tare_q12: int = field("own weight", "force that it reads without contact")
     load_ticks: int = field("ticks", "with load, in a row")
     peak: int = field("", "1: more than the least of a contact in one of them")
-    past: Ints = vector(PAST_SIZE, "lf", "x that the foot was sent to in the ticks before, in a ring")
+    past_x: Ints = vector(HISTORY_TICKS, "lf", "x that the foot was sent to in the ticks before, in a ring")
     past_at: int = field("", "where the last is")
 
 
@@ -134,7 +134,7 @@ class Stage:
 
     stage: int = field("", "SHIFT .. STILL")
     stage_tick: int = field("ticks", "of the stage")
-    turn: int = field("", "place in the order of the legs, 0 .. 3")
+    order: int = field("", "place in the order of the legs, 0 .. 3")
     leg: int = field("", "the leg that it is about")
     ahead: int = field("lf", "how far the command is ahead of the steps made")
 

@@ -31,7 +31,7 @@ def start(level_feet, felt, pitch, roll):
 
 def planned_loads(feet, shares, pose, com, weight):
     """Return (loads, margin) under a pose: the feet that stand share the weight by their shares, about the mass."""
-    ahead = crawl.mass_ahead(com, pose[4])
+    ahead = crawl.com_ahead(com, pose[4])
     seen = [[foot[axis] - pose[axis] for axis in range(2)] for foot in feet]
     parts = load.shares(seen, shares, (ahead, 0.0))
     corners = [seen[leg] for leg in (0, 1, 3, 2) if shares[leg]]

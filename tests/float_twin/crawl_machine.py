@@ -1,7 +1,7 @@
 """The crawl's machine in floats: which stage follows which, when, and where body and foot are to go.
 
 Lengths in m, angles in rad, times in ticks and speeds per tick, forces as parts of the own weight. Legs FR, FL, RR,
-RL. What is felt comes as an object: seen (4 places of the map), force and load (4), body (the measured pose),
+RL. What is felt comes as an object: measured (4 places of the map), force and load (4), body (the measured pose),
 length (thigh joint to the foot in the air), clipped, heavy (0 .. 1), way (commanded in this tick).
 """
 
@@ -91,7 +91,7 @@ class Machine:
         if self.swing:
             self.swing.speed = 0.0
 
-    def tell(self, event, z):
+    def note_event(self, event, z):
         """Note what has happened; anything but a landing ends even ground."""
         self.events.append((event, self.leg, z))
         if event != LANDED:
@@ -118,7 +118,7 @@ class Machine:
 
         Sideways it stays as long as it can: its x axis is the line that is walked along.
         """
-        half = self.k.rebase
+        half = self.k.half_leg
         if abs(body[0]) <= half and abs(body[1]) <= 1.5 * half and abs(body[2]) <= half:
             return None
         way = [body[0], body[1] if abs(body[1]) > 1.5 * half else 0.0, body[2]]
@@ -144,7 +144,7 @@ class Machine:
             self.lay_between(self.leg)
         wanted = crawl.middle(self.feet)[0] + self.k.payload_forward * heavy
         if self.steps_down():
-            wanted = max(wanted, self.over_foot(self.prints[self.leg - RR][0][0]))
+            wanted = max(wanted, self.hip_over(self.prints[self.leg - RR][0][0]))
         self.enter(SHIFT)
         self.body.plan(self.feet, self.leg, wanted, heavy, None, self.quick("acceleration"))
 
@@ -164,7 +164,7 @@ class Machine:
         drop = self.feet[self.leg][2] - self.prints[self.leg - RR][0][2]
         return self.doubt.above(drop, self.k.edge_height, PLACE_ROUNDING)
 
-    def over_foot(self, x):
+    def hip_over(self, x):
         """Return where the centre of mass is when the leg's hip is above ``x``."""
         return x - self.k.hips[self.leg][0] + self.k.com_x
 
@@ -180,7 +180,7 @@ class Machine:
         if self.share[leg] > 0 or self.ticks <= move.ticks + k.settle_ticks:
             return
         if self.ticks > move.ticks + k.diagonal_ticks:
-            self.tell(DIAGONALS, self.diagonal_offset)
+            self.note_event(DIAGONALS, self.diagonal_offset)
             self.leave_ground(felt)
         elif not self.doubt.above(abs(error), 4 * NEWTON, FORCE_ROUNDING):
             self.leave_ground(felt)
@@ -282,10 +282,10 @@ class Machine:
         share = crawl.quintic(min(1.0, self.ticks / s.ticks_across))
         s.place[:2] = [a + share * (b - a) for a, b in zip(s.source, s.target)]
         if self.runs_into(felt):
-            seen = felt.seen[s.leg]
+            measured = felt.measured[s.leg]
             s.hits += 1
-            self.tell(HIT, seen[2] - s.expect)
-            s.place[0], s.apex = seen[0] - k.riser_retreat, s.place[2] + k.clear_contact
+            self.note_event(HIT, measured[2] - s.expect)
+            s.place[0], s.apex = measured[0] - k.riser_retreat, s.place[2] + k.clear_contact
             self.enter(LIFT)
         elif self.ticks >= s.ticks_across and self.body.tick >= self.body.ticks:
             self.enter(TARE)
@@ -295,7 +295,7 @@ class Machine:
         s, k = self.swing, self.k
         if self.ticks <= k.riser_skip_ticks or s.hits == HITS or felt.clipped:
             return False
-        behind = s.past[-1 - k.goal_lag_ticks] - felt.seen[s.leg][0]
+        behind = s.past[-1 - k.goal_lag_ticks] - felt.measured[s.leg][0]
         way = s.target[0] - s.source[0]
         late = abs(way) / (s.ticks_across + 1) * k.swing_lag_ticks
         return self.doubt.above(behind, k.riser_lag + late, PLACE_ROUNDING + QUINTIC_ROUNDING * abs(way))
@@ -320,7 +320,7 @@ class Machine:
         s, k = self.swing, self.k
         self.go_down(felt)
         touches = self.feels_ground(felt)
-        z, below = felt.seen[s.leg][2], s.expect - s.place[2]
+        z, below = felt.measured[s.leg][2], s.expect - s.place[2]
         again, pushed = s.tries < TRIES, self.pushed_up(felt)
         near = self.doubt.above(k.drop_depth / 3, abs(z - s.expect), PLACE_ROUNDING)
         if near and self.doubt.above(pushed, k.stand_lift, TILT_ROUNDING):
@@ -332,7 +332,7 @@ class Machine:
         elif again and not (s.touched or s.dropped) and self.doubt.above(below, k.drop_depth, PLACE_ROUNDING):
             self.drop(felt)
         elif self.doubt.above(below, k.deepest, PLACE_ROUNDING):
-            self.tell(NOTHING, -below)
+            self.note_event(NOTHING, -below)
             self.land(felt)
 
     def go_down(self, felt):
@@ -379,12 +379,12 @@ class Machine:
     def again_with_hip(self, felt, x, apex):
         """Try once more at ``x`` and bring the hip over it, so that the leg comes down steeply."""
         self.again(x, apex)
-        self.body.plan(self.feet, self.leg, self.over_foot(x), felt.heavy, self.leg, self.quick("acceleration"))
+        self.body.plan(self.feet, self.leg, self.hip_over(x), felt.heavy, self.leg, self.quick("acceleration"))
 
     def free_calf(self, felt, z):
         """Off the edge and on a little."""
         s, k = self.swing, self.k
-        self.tell(CALF, z - s.expect)
+        self.note_event(CALF, z - s.expect)
         self.again_with_hip(felt, s.place[0] + k.edge_advance, max(z + k.calf_clear, s.expect + k.clear_ground))
 
     def touch(self, felt, z):
@@ -398,7 +398,7 @@ class Machine:
         if s.tries >= tries or not self.doubt.above(z - s.expect, k.edge_height, PLACE_ROUNDING):
             self.land(felt)
             return
-        self.tell(HIGH, z - s.expect)
+        self.note_event(HIGH, z - s.expect)
         x = s.place[0] + k.edge_advance
         if not s.known:
             s.expect = z
@@ -413,7 +413,7 @@ class Machine:
             s.dropped = True
             if self.other_is_down(s):
                 return
-        self.tell(VOID, s.place[2] - s.expect)
+        self.note_event(VOID, s.place[2] - s.expect)
         if s.leg < RR:
             self.again_with_hip(felt, s.place[0] + k.drop_advance, s.expect + k.clear_ground)
         else:
@@ -427,11 +427,11 @@ class Machine:
         return down and self.doubt.above(s.place[0] - other[0], self.k.edge_advance * 6 / 5, 2 * PLACE_ROUNDING)
 
     def land(self, felt):
-        """Stand where the foot is seen, leave a print for the hind foot, and rest before the next leg."""
+        """Stand where the foot is measured, leave a print for the hind foot, and rest before the next leg."""
         s, leg = self.swing, self.leg
-        self.feet[leg] = list(felt.seen[leg])
+        self.feet[leg] = list(felt.measured[leg])
         self.stands[leg], self.share[leg] = True, 0.0
-        self.tell(LANDED, self.feet[leg][2] - s.expect)
+        self.note_event(LANDED, self.feet[leg][2] - s.expect)
         if leg < RR:
             if len(self.prints[leg]) == 4:
                 self.take_print(leg)

@@ -13,8 +13,8 @@ from types import SimpleNamespace
 from shared.crawl import footholds
 from shared.crawl import state as at
 from shared.crawl import steps as crawl_steps
-from shared.crawl.crawl import move_origin, rebase
-from shared.crawl.state import PAST_SIZE, Crawl
+from shared.crawl.crawl import move_origin, recentre_map
+from shared.crawl.state import HISTORY_TICKS, Crawl
 from shared.record import copy, pack, unpack
 from tests.float_twin import crawl_machine as twin
 from tests.float_twin.doubt import Doubt
@@ -129,7 +129,7 @@ class Pair:
         """Return what is felt, for the twin."""
         c = self.crawl
         return SimpleNamespace(
-            seen=self.feet(c.map.seen),
+            measured=self.feet(c.map.measured),
             force=[value / 4096 for value in c.support.force_q12[:4]],
             load=[value / 4096 for value in c.support.load_q12[:4]],
             body=self.pose(c.map.body_pose),
@@ -149,7 +149,7 @@ class Pair:
         wrong = trouble.skew - offset + trouble.noise * self.dice.uniform(-0.2, 0.2)
         wrong *= sign * 0.25 * (1.0 if trouble.sticks else share)
         c.support.load_q12[leg], c.support.force_q12[leg] = round(load * 4096), round((load + wrong) * 4096)
-        copy(c.map.feet[leg], c.map.seen[leg])
+        copy(c.map.feet[leg], c.map.measured[leg])
 
     def sense_swing(self, leg):
         """A foot in the air is where it is wanted, except in front of a riser and on the ground."""
@@ -160,7 +160,7 @@ class Pair:
         pressed = max(0.0, ground - z)
         self.push(leg, pressed)
         load = (0.0 if self.straight else pressed) / self.size * 40 + trouble.noise * self.dice.uniform(-0.1, 0.1)
-        self.put(c.map.seen[leg], (seen_x, y, max(z, ground)))
+        self.put(c.map.measured[leg], (seen_x, y, max(z, ground)))
         c.support.load_q12[leg], c.support.force_q12[leg] = 0, round((trouble.tare + min(load, 0.5)) * 4096)
         hip = [self.pose(self.crawl.path.wanted)[axis] + self.legs[leg].hip[axis] for axis in range(3)]
         away = [a - b for a, b in zip((x, y, z), hip, strict=True)]
@@ -196,13 +196,13 @@ class Pair:
     def jump(self):
         """Put both at some point of a crawl that is drawn, whether a walk comes there or not; feel anything there."""
         c, dice = self.crawl, self.dice
-        c.stage.turn = dice.randrange(4)
-        c.stage.leg, c.stage.stage = twin.ORDER[c.stage.turn], dice.choice((0, 1, 2, 3, 4, 4, 4, 4, 5))
+        c.stage.order = dice.randrange(4)
+        c.stage.leg, c.stage.stage = twin.ORDER[c.stage.order], dice.choice((0, 1, 2, 3, 4, 4, 4, 4, 5))
         self.jump_ground()
         self.jump_body()
         self.jump_swing(c.stage.leg)
         aside = (0.0,) if self.k.planar else (0.0, 0.0, 1.3, -1.3, 1.45, -1.45, 2.6, -2.6)
-        far = [self.k.rebase * dice.choice(values) for values in ((0.0, 0.0, 1.3, -1.3), aside)]
+        far = [self.k.half_leg * dice.choice(values) for values in ((0.0, 0.0, 1.3, -1.3), aside)]
         self.carry_off(*[self.fine(value) for value in (*far, -dice.randrange(2) * self.k.height)])
         self.adopt()
         self.move_origin()
@@ -226,7 +226,7 @@ class Pair:
         for other, shape in enumerate(self.legs):
             for axis, rest, way in ((0, shape.rest[0], along), (1, shape.rest[1], 10), (2, 0.0, 40)):
                 c.map.feet[other][axis] = self.fine(rest) + self.spread(way)
-                c.map.seen[other][axis] = c.map.feet[other][axis]
+                c.map.measured[other][axis] = c.map.feet[other][axis]
             c.support.stance[other] = int(other != leg or c.stage.stage in (at.SHIFT, at.REST))
             c.support.share_q12[other] = dice.choice((0, 100, 2000, 4096))
             c.support.load_q12[other], c.support.force_q12[other] = dice.randrange(2000), dice.randrange(-400, 2400)
@@ -283,16 +283,16 @@ class Pair:
         c.swing.dropped, c.swing.known = (dice.randrange(2), 0) if leg < 2 else (0, dice.randrange(2))
         c.contact.tare_q12, c.contact.load_ticks = dice.randrange(-400, 600), dice.choice((0, 0, k.contact_ticks - 1))
         c.contact.peak, c.swing.limited = dice.randrange(2), int(dice.random() < 0.2)
-        c.contact.past[:PAST_SIZE] = [c.swing.place.x] * PAST_SIZE
-        c.contact.past_at = dice.randrange(PAST_SIZE)
-        c.map.seen[leg].x = c.swing.place.x - self.fine(dice.uniform(0.0, 0.03) * self.size)
-        c.map.seen[leg].z = c.swing.ground + self.spread(80)
+        c.contact.past_x[:HISTORY_TICKS] = [c.swing.place.x] * HISTORY_TICKS
+        c.contact.past_at = dice.randrange(HISTORY_TICKS)
+        c.map.measured[leg].x = c.swing.place.x - self.fine(dice.uniform(0.0, 0.03) * self.size)
+        c.map.measured[leg].z = c.swing.ground + self.spread(80)
         c.swing.leg_length = round(dice.choice((self.k.folded, self.k.swing_reach)) / self.unit_m) + dice.randint(-9, 9)
 
     def adopt(self):
         """Put the twin where the core is."""
         c, other = self.crawl, self.twin
-        other.turn, other.stage, other.ticks = c.stage.turn, c.stage.stage, c.stage.stage_tick
+        other.turn, other.stage, other.ticks = c.stage.order, c.stage.stage, c.stage.stage_tick
         other.feet, other.stands = self.feet(self.crawl.map.feet), [bool(s) for s in c.support.stance[:4]]
         other.share = [share / 4096 for share in c.support.share_q12[:4]]
         for side in range(2):
@@ -312,7 +312,7 @@ class Pair:
     def adopted_swing(self):
         """Return the core's swing as the twin has it."""
         c = self.crawl
-        s = twin.Swing(c.stage.leg, self.metres(pack(c.swing.place)), PAST_SIZE)
+        s = twin.Swing(c.stage.leg, self.metres(pack(c.swing.place)), HISTORY_TICKS)
         s.source, s.target = self.metres(pack(c.swing.departure)), self.metres(pack(c.swing.target))
         s.expect, s.apex, s.speed = self.metres((c.swing.ground, c.swing.apex, c.swing.speed))
         s.ticks_across, s.tries, s.hits = c.swing.way_ticks, c.swing.tries, c.swing.risers
@@ -347,7 +347,7 @@ class Pair:
         """Both keep their maps under the body: what is measured last is where it is."""
         body = self.pose(self.crawl.map.body_pose)[:3]
         way = self.twin.move_origin(body)
-        assert rebase(self.crawl) == int(way is not None)
+        assert recentre_map(self.crawl) == int(way is not None)
         if way:
             self.origin = [a + b for a, b in zip(self.origin, way, strict=True)]
 

@@ -9,7 +9,7 @@ from shared.crawl import map as crawl_map
 from shared.crawl import pose as crawl_pose
 from shared.crawl import steps as crawl_steps
 from shared.crawl import swing as swing_leg
-from shared.crawl.state import HANG, LIFT, MOST_FOOTHOLDS, PAST_SIZE, SWING
+from shared.crawl.state import HANG, HISTORY_TICKS, LIFT, MOST_FOOTHOLDS, SWING
 from shared.gait.steps import Steps
 from shared.num import filters
 from shared.planner import handover, retreat
@@ -66,7 +66,7 @@ def _soil_map(dice, bits):
     for leg in range(4):
         for axis in range(3):
             MAP.feet[leg][axis] = _near(dice, bits)
-            MAP.seen[leg][axis] = _near(dice, bits)
+            MAP.measured[leg][axis] = _near(dice, bits)
     for axis in range(6):
         MAP.body_pose[axis] = _near(dice, bits if axis < 3 else 22)
     for leg in range(4):
@@ -90,7 +90,7 @@ def _soil_path(dice, bits):
         PATH.lagged[axis] = _near(dice, bits)
         PATH.integral[axis] = _near(dice, bits)
         PATH.commanded[axis] = _near(dice, bits)
-        PATH.sag[axis] = _near(dice, bits)
+        PATH.deviation[axis] = _near(dice, bits)
     PATH.move_tick = dice.below(61)
     PATH.move_ticks = dice.below(61)
     for side in range(2):
@@ -123,15 +123,15 @@ def _soil_swing(dice, bits):
     CONTACT.tare_q12 = FORCE.any(dice)
     CONTACT.load_ticks = dice.below(10)
     CONTACT.peak = dice.bits(1)
-    for at in range(PAST_SIZE):
-        CONTACT.past[at] = _near(dice, bits)
-    CONTACT.past_at = dice.below(PAST_SIZE)
+    for at in range(HISTORY_TICKS):
+        CONTACT.past_x[at] = _near(dice, bits)
+    CONTACT.past_at = dice.below(HISTORY_TICKS)
 
 
 def _soil_stage(dice):
     STAGE.stage = dice.below(6)
     STAGE.stage_tick = TICKS.any(dice)
-    STAGE.turn = dice.bits(2)
+    STAGE.order = dice.bits(2)
     STAGE.leg = dice.bits(2)
     STAGE.ahead = dice.below(1200000) - 600000
     EVENT.code = dice.bits(3)
@@ -283,9 +283,9 @@ PROBES = (
     _stateful(crawl_map, "mean_foot", (MAP, AXIS)),
     _stateful(crawl_map, "front_to_hind", (MAP, AXIS)),
     _stateful(crawl_pose, "feet_pitch", (ROBOT, MAP)),
-    Probe(crawl_pose, "mass_ahead", (ROBOT, BRAD)),
+    Probe(crawl_pose, "com_ahead", (ROBOT, BRAD)),
     Probe(crawl_pose, "take_feet", (CRAWL,), watch=(CRAWL.feet,), fit=_soil),
-    _stateful(crawl_pose, "mass_target", (CRAWL, LEG, UNIT)),
+    _stateful(crawl_pose, "com_target", (CRAWL, LEG, UNIT)),
     _stateful(crawl_pose, "resting_x", (CRAWL,)),
     _stateful(crawl_pose, "longest_leg", (CRAWL, NO_LEG)),
     _stateful(crawl_pose, "plan_body", (CRAWL, NO_LEG)),
@@ -299,16 +299,16 @@ PROBES = (
     _stateful(crawl_goals, "foot_in_body", (CRAWL, LEG, PLACE, PLACE, PLACE)),
     _stateful(crawl_goals, "place_foot", (CRAWL, LEG, FLAG)),
     _stateful(crawl_goals, "leg_goal", (CRAWL, LEG, FLAG)),
-    _stateful(crawl_goals, "bridge", (CRAWL, LEG, FLAG)),
+    _stateful(crawl_goals, "absorb_jump", (CRAWL, LEG, FLAG)),
     _stateful(crawl_goals, "solve_legs", (CRAWL,)),
     _stateful(crawl_goals, "legs_goals", (CRAWL, GOALS)),
     _stateful(crawl_steps, "enter", (CRAWL, Range(0, 5))),
-    _stateful(crawl_steps, "tell", (CRAWL, Range(0, 7), PLACE)),
+    _stateful(crawl_steps, "note_event", (CRAWL, Range(0, 7), PLACE)),
     _stateful(crawl_steps, "start_stages", (CRAWL,)),
     _stateful(crawl_steps, "take_stage", (CRAWL, AHEAD)),
     _stateful(crawl_steps, "swing_stage", (CRAWL, LEG)),
     _stateful(crawl_steps, "plan_shift", (CRAWL,)),
-    _stateful(crawl_steps, "over_foot", (CRAWL, LEG, PLACE)),
+    _stateful(crawl_steps, "hip_over", (CRAWL, LEG, PLACE)),
     _stateful(crawl_steps, "shift_to", (CRAWL, LEG, UNIT, NO_LEG)),
     _stateful(crawl_steps, "shift_tick", (CRAWL, LEG)),
     _stateful(crawl_steps, "match_diagonals", (CRAWL, LEG)),
@@ -329,12 +329,12 @@ PROBES = (
     _stateful(crawl_ground, "feet_rise", (MAP,)),
     _stateful(crawl_ground, "expected_rise", (CRAWL, AHEAD)),
     Probe(crawl_ground, "off_slope", (PLACE, PLACE, Range(1, 16383), FORCE)),
-    _stateful(crawl, "forget", (CRAWL,)),
+    _stateful(crawl, "crawl_reset", (CRAWL,)),
     _stateful(crawl, "start_map", (CRAWL, SENSING, JOINTS, TILT, TILT)),
     _stateful(crawl, "start_support", (SENSING, SUPPORT)),
     _stateful(crawl, "take_tilt", (OWN, MAP, TILT, TILT)),
-    _stateful(crawl, "weigh", (ROBOT, SENSING, SUPPORT)),
-    _stateful(crawl, "rebase", (CRAWL,)),
+    _stateful(crawl, "update_weight", (ROBOT, SENSING, SUPPORT)),
+    _stateful(crawl, "recentre_map", (CRAWL,)),
     _stateful(crawl, "move_origin", (CRAWL, AXIS, PLACE)),
     _stateful(crawl, "estimate", (CRAWL, SENSING, JOINTS, TILT, TILT)),
     _stateful(crawl, "crawl_start", (CRAWL, SENSING, JOINTS, GOALS, TILT, TILT)),
