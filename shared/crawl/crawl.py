@@ -16,10 +16,9 @@ from .footholds import follow_front_feet, footholds_start
 from .goals import absorb_jump, legs_goals, plan_loads
 from .map import fit_body, follow_slips, roll_feet
 from .pose import hold_pose
-from .state import HISTORY_TICKS, REST, Crawl, Map, Support
+from .state import FULL_SHARE_Q12, HISTORY_TICKS, REST, Crawl, Map, Support
 from .steps import start_stages, take_stage
 
-_OWN_Q12 = const(4096)
 _LEAST_WEIGHT_Q12 = const(2867)  # 0.7 and 2.5 of the own weight: what a sum of joint errors may say
 _MOST_WEIGHT_Q12 = const(10240)
 _EMPTY_Q12 = const(4710)  # 1.15 of the own weight: up to here the robot is empty
@@ -93,7 +92,7 @@ def start_support(sensing: Sensing, support: Support) -> None:
     total = 0
     for leg in range(LEGS):
         support.stance[leg] = 1
-        support.share_q12[leg] = _OWN_Q12
+        support.share_q12[leg] = FULL_SHARE_Q12
         total += sensing.force_q12[leg]
     support.weight_q12 = saturate(total, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
     support.weight_q20 = support.weight_q12 << 8
@@ -153,8 +152,7 @@ def update_weight(params: Params, sensing: Sensing, support: Support) -> None:
     gap = (saturate(total, 0, 16383) << 8) - support.weight_q20
     support.weight_q20 += fraction(gap, params.crawl.weight_q15)
     support.weight_q12 = saturate(support.weight_q20 >> 8, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
-    payload = saturate(support.weight_q12, _OWN_Q12, _MOST_WEIGHT_Q12) - _EMPTY_Q12
-    support.payload_q12 = saturate(payload * 2, 0, 4096)
+    support.payload_q12 = saturate((support.weight_q12 - _EMPTY_Q12) * 2, 0, 4096)
 
 
 @hot

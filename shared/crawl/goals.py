@@ -51,7 +51,7 @@ def plan_loads(crawl: Crawl) -> int:
         foot.x = saturate(place.x - path.wanted.x >> LF_BITS, -32767, 32767)
         foot.y = saturate(place.y - path.wanted.y >> LF_BITS, -32767, 32767)
         foot.z = saturate(place.z - path.wanted.z >> LF_BITS, -32767, 32767)
-    load_share(feet, weights, ahead, 0, saturate(support.weight_q12, 0, 16383), planar, crawl.load)
+    load_share(feet, weights, ahead, 0, support.weight_q12, planar, crawl.load)
     for leg in range(LEGS):
         support.load_q12[leg] = crawl.load.wanted_q12[leg]
         weights[leg] = support.stance[leg]

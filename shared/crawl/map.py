@@ -11,7 +11,7 @@ from ..num.filters import fraction
 from ..num.fixed import atan2_brad18, cos_q15, saturate, sin_q15
 from ..runtime import Ints, const, hot
 from ..sense.legs import Sensing
-from .state import Crawl, Map, Support
+from .state import Crawl, Map
 
 _LEAST_SHARE_Q8 = const(13)  # a stance foot always counts 5 %
 _HALF_SHARE_Q12 = const(2048)  # only loaded feet tell of a slip: an unloaded one has risen with a tilting body
@@ -40,40 +40,43 @@ def roll_feet(crawl: Crawl, joints: Ints) -> None:
 
 
 @hot
-def foot_weight_q8(support: Support, leg: int) -> int:
-    """Return how much a foot counts in the fit, 0 in the air, 13 .. 256 by its share of the load."""
-    if support.stance[leg] == 0:
-        return 0
-    weight = support.share_q12[leg] >> 4
-    if weight < _LEAST_SHARE_Q8:
-        return _LEAST_SHARE_Q8
-    return weight
+def weigh_feet(crawl: Crawl) -> int:
+    """Write how much each foot counts in the fit, Q8, into ``crawl.weights``; return the sum.
+
+    0 in the air, 13 .. 256 by its share of the load.
+    """
+    support = crawl.support
+    total = 0
+    for leg in range(LEGS):
+        weight = 0
+        if support.stance[leg]:
+            weight = saturate(support.share_q12[leg] >> 4, _LEAST_SHARE_Q8, 256)
+        crawl.weights[leg] = weight
+        total += weight
+    return total
 
 
 @hot
-def fit_heading(crawl: Crawl, sensing: Sensing) -> int:
-    """Return the heading, 2^-24 turn, that turns the levelled stance feet onto their map places best; 0 if none stand.
+def fit_heading(crawl: Crawl, sensing: Sensing, total: int) -> int:
+    """Return the heading, 2^-24 turn, that turns the levelled stance feet onto their map places best.
 
     Least squares in the plane (Procrustes): atan2(sum w (m x f), sum w (m . f)) about the weighted middles.
-    Feet within 16383 lu * 2 of the middles. Intermediates: 2 * 16383^2 < 2^29; sums (2^19 + 1) * 256 * 4.
+    total: 1 or more, the sum of ``crawl.weights``. Feet within 16383 lu * 2 of the middles.
+    Intermediates: 2 * 16383^2 < 2^29; sums (2^19 + 1) * 256 * 4.
     """
     map = crawl.map
-    support = crawl.support
-    total = 0
+    weights = crawl.weights
     mx = 0
     my = 0
     fx = 0
     fy = 0
     for leg in range(LEGS):
-        w = foot_weight_q8(support, leg)
+        w = weights[leg]
         foot = map.feet[leg]
-        total += w
         mx += w * sensing.level[leg].x
         my += w * sensing.level[leg].y
         fx += w * (foot.x - map.body_pose.x >> LF_BITS)
         fy += w * (foot.y - map.body_pose.y >> LF_BITS)
-    if total == 0:
-        return 0
     mx = mx // total
     my = my // total
     fx = fx // total
@@ -81,7 +84,7 @@ def fit_heading(crawl: Crawl, sensing: Sensing) -> int:
     across = 0
     along = 0
     for leg in range(LEGS):
-        w = foot_weight_q8(support, leg)
+        w = weights[leg]
         foot = map.feet[leg]
         ax = saturate(sensing.level[leg].x - mx >> 1, -_NEAR_LU, _NEAR_LU)
         ay = saturate(sensing.level[leg].y - my >> 1, -_NEAR_LU, _NEAR_LU)
@@ -118,15 +121,12 @@ def fit_body(crawl: Crawl, sensing: Sensing) -> None:
     each within +-32767 lu. Intermediates: 2^19 * 256 * 4 = 2^29.
     """
     map = crawl.map
-    map.body_pose.yaw = 0
-    if crawl.params.lateral_q12:
-        map.body_pose.yaw = fit_heading(crawl, sensing)
-    turn_feet(sensing, map)
     weights = crawl.weights
-    total = 0
-    for leg in range(LEGS):
-        weights[leg] = foot_weight_q8(crawl.support, leg)
-        total += weights[leg]
+    total = weigh_feet(crawl)
+    map.body_pose.yaw = 0
+    if crawl.params.lateral_q12 and total:
+        map.body_pose.yaw = fit_heading(crawl, sensing, total)
+    turn_feet(sensing, map)
     x = 0
     y = 0
     z = 0

@@ -17,9 +17,8 @@ from .ground import long_strides
 from .map import front_to_hind, mean_foot
 from .state import BodyPath, Crawl, Map
 
+_OWN_WEIGHT_Q12 = const(4096)
 _TURN_RATE_Q15 = const(6434)  # 2 pi / 32: brad times lu to lf
-_OWN_Q12 = const(4096)
-_LOAD_MAX_Q12 = const(10240)
 
 
 @hot
@@ -211,8 +210,9 @@ def hold_pose(crawl: Crawl) -> None:
     params = crawl.params
     map = crawl.map
     path = crawl.path
-    load = saturate(crawl.support.weight_q12, _OWN_Q12, _LOAD_MAX_Q12)
-    gain = params.crawl.integral_q15 * 4096 // load
+    gain = params.crawl.integral_q15
+    if crawl.support.weight_q12 > _OWN_WEIGHT_Q12:
+        gain = gain * _OWN_WEIGHT_Q12 // crawl.support.weight_q12
     limit = params.crawl.position_limit << LF_BITS
     for axis in range(POSE_AXES):
         if axis > 2:

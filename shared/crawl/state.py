@@ -26,6 +26,7 @@ EVENT_RISER = const(5)  # the foot ran into a riser
 EVENT_NO_GROUND = const(6)  # no ground at all: the foot is left hanging
 EVENT_DIAGONALS = const(7)  # the loads of the diagonals could not be brought to what was wanted
 
+FULL_SHARE_Q12 = const(4096)
 HISTORY_TICKS = const(32)  # ticks
 MOST_FOOTHOLDS = const(4)  # of a side
 

@@ -23,6 +23,7 @@ from .state import (
     EVENT_NO_GROUND,
     EVENT_RISER,
     EVENT_STEP,
+    FULL_SHARE_Q12,
     HANG,
     HISTORY_TICKS,
     LIFT,
@@ -35,7 +36,6 @@ from .state import (
 from .swing import lift_foot, lower_foot, start_swing, swing_foot
 
 _ORDER = const(0x0213)  # RL 3, FL 1, RR 2, FR 0, from the lowest four bits
-_FULL_Q12 = const(4096)
 _TRIES_UNKNOWN_STEP = const(2)  # of what may be a step where nothing is known: the next foot knows more
 _TRIES = const(3)
 
@@ -140,12 +140,12 @@ def shift_tick(crawl: Crawl, leg: int) -> None:
     stage = crawl.stage
     support = crawl.support
     path = crawl.path
-    step = _FULL_Q12 // params.crawl.share_ticks
+    step = FULL_SHARE_Q12 // params.crawl.share_ticks
     for other in range(LEGS):
         if other != leg:
-            support.share_q12[other] = saturate(support.share_q12[other] + step, 0, _FULL_Q12)
+            support.share_q12[other] = saturate(support.share_q12[other] + step, 0, FULL_SHARE_Q12)
     if path.move_ticks - stage.stage_tick < params.crawl.share_ticks or 2 * stage.stage_tick >= path.move_ticks:
-        support.share_q12[leg] = saturate(support.share_q12[leg] - step, 0, _FULL_Q12)
+        support.share_q12[leg] = saturate(support.share_q12[leg] - step, 0, FULL_SHARE_Q12)
     error = match_diagonals(crawl, leg)
     if support.share_q12[leg] or stage.stage_tick <= path.move_ticks + params.crawl.settle_ticks:
         return

@@ -219,6 +219,16 @@ def _with_foothold(values, dice):
     FOOTHOLDS.sides[values[2]].waiting = 1 + dice.bits(1)
 
 
+def _with_weights(values, dice):
+    """Fill the state; any weights of the feet, with their sum."""
+    _soil(values, dice)
+    total = 0
+    for leg in range(4):
+        CRAWL.weights[leg] = dice.below(257)
+        total += CRAWL.weights[leg]
+    values[2] = max(1, total)
+
+
 def _any_speed(values, dice):
     for axis in range(3):
         COMMAND.speed[axis] = dice.bits(21) - (1 << 20)
@@ -275,8 +285,8 @@ PROBES = (
     _stateful(swing_leg, "lower_speed", (CRAWL,)),
     _stateful(swing_leg, "lower_foot", (CRAWL,)),
     _stateful(crawl_map, "roll_feet", (CRAWL, JOINTS)),
-    _stateful(crawl_map, "foot_weight_q8", (SUPPORT, LEG)),
-    _stateful(crawl_map, "fit_heading", (CRAWL, SENSING)),
+    _stateful(crawl_map, "weigh_feet", (CRAWL,), watch=(CRAWL.weights,)),
+    _stateful(crawl_map, "fit_heading", (CRAWL, SENSING, 1), fit=_with_weights),
     _stateful(crawl_map, "turn_feet", (SENSING, MAP)),
     _stateful(crawl_map, "fit_body", (CRAWL, SENSING)),
     _stateful(crawl_map, "follow_slips", (CRAWL,)),
