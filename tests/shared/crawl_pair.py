@@ -89,7 +89,7 @@ class Pair:
         """Return four places of the core's state in m."""
         return [self.metres(pack(value)) for value in values]
 
-    def prints(self, side, count):
+    def footholds(self, side, count):
         """Return the first footholds of a side in m."""
         return self.feet(self.crawl.footholds.sides[side].places[:count])
 
@@ -220,7 +220,7 @@ class Pair:
         return self.fine(self.dice.uniform(-millimetres, millimetres) * MM * self.size)
 
     def jump_ground(self):
-        """Draw feet, prints, shares and loads."""
+        """Draw feet, footholds, shares and loads."""
         c, dice, leg = self.crawl, self.dice, self.crawl.stage.leg
         along = dice.choice((30, 90)) if c.stage.stage == at.SHIFT else 30  # no plan is made there
         for other, shape in enumerate(self.legs):
@@ -238,8 +238,8 @@ class Pair:
                 for axis in range(3):
                     place[axis] = c.map.feet[2 + side][axis] + self.spread(60)
         c.support.diagonal_offset, c.ground.even_landings = self.spread(39), dice.choice((0, 1, 2, 3, 4, 5, 7, 8, 9))
-        way, pace = c_way(self.crawl), self.fine(self.k.stride / 4)
-        c.stage.ahead = dice.choice((0, 1, -1, -way, -way - 1, pace, -pace))
+        way, step = c_way(self.crawl), self.fine(self.k.stride / 4)
+        c.stage.ahead = dice.choice((0, 1, -1, -way, -way - 1, step, -step))
         c.support.payload_q12 = dice.choice((0, 4096))
         if dice.random() < 0.5:
             self.jump_diagonals(leg)
@@ -292,14 +292,14 @@ class Pair:
     def adopt(self):
         """Put the twin where the core is."""
         c, other = self.crawl, self.twin
-        other.turn, other.stage, other.ticks = c.stage.order, c.stage.stage, c.stage.stage_tick
+        other.order, other.stage, other.ticks = c.stage.order, c.stage.stage, c.stage.stage_tick
         other.feet, other.stands = self.feet(self.crawl.map.feet), [bool(s) for s in c.support.stance[:4]]
         other.share = [share / 4096 for share in c.support.share_q12[:4]]
         for side in range(2):
-            other.prints[side] = self.prints(side, c.footholds.sides[side].waiting)
+            other.footholds[side] = self.footholds(side, c.footholds.sides[side].waiting)
         other.guessed = [queue.guessed for queue in c.footholds.sides]
-        other.on_print = [bool(queue.occupied) for queue in c.footholds.sides]
-        other.diagonal_offset, other.pace = self.metres((c.support.diagonal_offset, c.stage.ahead))
+        other.occupied = [bool(queue.occupied) for queue in c.footholds.sides]
+        other.diagonal_offset, other.ahead = self.metres((c.support.diagonal_offset, c.stage.ahead))
         other.even_landings, other.landings = c.ground.even_landings, c.ground.landings
         body = other.body
         poses = c.path.from_pose, c.path.to_pose, c.path.wanted
@@ -314,9 +314,9 @@ class Pair:
         c = self.crawl
         s = twin.Swing(c.stage.leg, self.metres(pack(c.swing.place)), HISTORY_TICKS)
         s.source, s.target = self.metres(pack(c.swing.departure)), self.metres(pack(c.swing.target))
-        s.expect, s.apex, s.speed = self.metres((c.swing.ground, c.swing.apex, c.swing.speed))
-        s.ticks_across, s.tries, s.hits = c.swing.way_ticks, c.swing.tries, c.swing.risers
-        s.dropped, s.peak, s.touched = bool(c.swing.dropped), bool(c.contact.peak), c.contact.load_ticks
+        s.ground, s.apex, s.speed = self.metres((c.swing.ground, c.swing.apex, c.swing.speed))
+        s.ticks_across, s.tries, s.risers = c.swing.way_ticks, c.swing.tries, c.swing.risers
+        s.dropped, s.peak, s.load_ticks = bool(c.swing.dropped), bool(c.contact.peak), c.contact.load_ticks
         s.known = bool(c.swing.known)
         s.tare = c.contact.tare_q12 / 4096
         return s
@@ -369,19 +369,19 @@ class Pair:
             "leg": (c.stage.leg, other.leg),
             "tick": (c.stage.stage_tick, other.ticks),
             "stands": (c.support.stance[:4], [int(s) for s in other.stands]),
-            "on print": ([queue.occupied for queue in c.footholds.sides], [int(s) for s in other.on_print]),
+            "occupied": ([queue.occupied for queue in c.footholds.sides], [int(s) for s in other.occupied]),
             "guessed": ([queue.guessed for queue in c.footholds.sides], other.guessed),
-            "prints": ([queue.waiting for queue in c.footholds.sides], [len(side) for side in other.prints]),
+            "footholds": ([queue.waiting for queue in c.footholds.sides], [len(side) for side in other.footholds]),
             "even landings": (c.ground.even_landings, other.even_landings),
             "landings": (c.ground.landings, other.landings),
             "planned": (c.path.move_tick == 0, other.body.planned),
         }
         if other.swing:
             s = other.swing
-            same["tries"] = [c.swing.tries, c.swing.risers, c.swing.dropped], [s.tries, s.hits, int(s.dropped)]
+            same["tries"] = [c.swing.tries, c.swing.risers, c.swing.dropped], [s.tries, s.risers, int(s.dropped)]
             same["known"] = c.swing.known, int(s.known)
-            if other.stage in (twin.DOWN, twin.REST):
-                same["touched"] = (c.contact.load_ticks, c.contact.peak), (s.touched, int(s.peak))
+            if other.stage in (twin.LOWER, twin.REST):
+                same["load ticks"] = (c.contact.load_ticks, c.contact.peak), (s.load_ticks, int(s.peak))
         if other.events:
             event, leg, _ = other.events[-1]
             same["event"] = [c.event.code, c.event.leg], [event, leg]
@@ -396,19 +396,19 @@ class Pair:
         pairs = [
             ("feet", self.feet(c.map.feet), other.feet),
             ("shares", [value / 4096 for value in c.support.share_q12[:4]], other.share),
-            ("pace", [c.stage.ahead * self.fine_m], [other.pace]),
+            ("ahead", [c.stage.ahead * self.fine_m], [other.ahead]),
             ("diagonal offset", [c.support.diagonal_offset * self.fine_m], [other.diagonal_offset]),
             ("body", self.pose(c.path.wanted)[:3], other.body.wanted[:3]),
             ("tilt", self.pose(c.path.wanted)[3:], other.body.wanted[3:]),
         ]
-        for side, prints in enumerate(other.prints):
-            pairs.append(("prints", self.prints(side, len(prints)), prints))
+        for side, queue in enumerate(other.footholds):
+            pairs.append(("footholds", self.footholds(side, len(queue)), queue))
         if other.swing:
             s = other.swing
             pairs += [
                 ("foot", self.metres(pack(c.swing.place)), s.place),
                 ("target", self.metres(pack(c.swing.target)), s.target),
-                ("expected", self.metres([c.swing.ground]), [s.expect]),
+                ("expected", self.metres([c.swing.ground]), [s.ground]),
                 ("apex", self.metres([c.swing.apex]), [s.apex]),
                 ("speed", self.metres([c.swing.speed]), [s.speed]),
             ]
@@ -445,7 +445,7 @@ def c_way(crawl):
 
 def feels(other):
     """Return whether the twin's foot has a tare in this swing: until then the core keeps the last one's."""
-    return other.stage in (twin.DOWN, twin.REST) or (other.stage == twin.TARE and other.ticks > 0)
+    return other.stage in (twin.LOWER, twin.REST) or (other.stage == twin.HANG and other.ticks > 0)
 
 
 def list_of(values):
@@ -463,9 +463,9 @@ MM = 1e-3
 # Of a leg of 240 mm; a foot's and the body's way by the quintic's 0.2 %
 BOUNDS = {
     "feet": 1e-9,
-    "prints": 0.01 * MM,
+    "footholds": 0.01 * MM,
     "shares": 1e-9,
-    "pace": 1e-9,
+    "ahead": 1e-9,
     "diagonal offset": 0.03 * MM,
     "body": 0.2 * MM,
     "tilt": 0.6e-3,

@@ -61,7 +61,7 @@ def test_whole_walks_go_the_same_way_to_the_tick_over_any_ground():
         met.update(pair.met)
 
     walks()
-    assert met == {twin.LANDED, twin.HIGH, twin.VOID, twin.CALF, twin.HIT, twin.NOTHING, twin.DIAGONALS}
+    assert met == {twin.LANDED, twin.STEP, twin.DROP, twin.CALF, twin.RISER, twin.NO_GROUND, twin.DIAGONALS}
     assert turned < ticks / 1000
 
 
@@ -71,7 +71,7 @@ def test_a_long_walk_on_level_ground_and_on_a_slope():
         pair = walked(Pair(Trouble(slope=slope), random.Random(1)), 50.0)
         assert pair.met == {twin.LANDED}
         assert pair.twin.landings == pair.twin.even_landings > 16
-        while pair.twin.leg > 1 or pair.twin.stage != twin.MOVE:
+        while pair.twin.leg > 1 or pair.twin.stage != twin.SWING:
             pair.tick()
         x, _, z = pair.twin.feet[pair.twin.leg]
         rise = slope * (pair.twin.swing.target[0] - x)
@@ -88,9 +88,9 @@ def test_where_it_strides_out_it_meets_an_edge(robot, rise_m):
         pair.tick()
     steps, laid = [], False
     while not laid:
-        waiting = [len(prints) for prints in pair.twin.prints]
+        waiting = [len(footholds) for footholds in pair.twin.footholds]
         pair.tick()
-        laid = any(then == 1 and len(now) == 3 for then, now in zip(waiting, pair.twin.prints, strict=True))
+        laid = any(then == 1 and len(now) == 3 for then, now in zip(waiting, pair.twin.footholds, strict=True))
         if pair.twin.long_strides and pair.twin.stage == twin.LIFT and pair.twin.ticks == 0:
             steps.append(pair.twin.swing.target[0] - pair.twin.feet[pair.twin.leg][0])
     assert pair.met > {twin.LANDED}

@@ -258,12 +258,12 @@ def test_the_pose_loop_follows_its_twin_for_five_seconds(crawl):
 
 
 @pytest.mark.parametrize("side", [0, 1])
-def test_the_first_prints_lie_between_hind_and_front_foot(crawl, side):
+def test_the_first_footholds_lie_between_hind_and_front_foot(crawl, side):
     feet = standing(random.Random(5 + side))
     put(crawl, feet)
     footholds.footholds_start(crawl)
     hind, front = feet[2 + side], feet[side]
-    for place, exact in enumerate(swing.first_prints((hind[0], hind[2]), (front[0], front[2]), side)):
+    for place, exact in enumerate(swing.first_footholds((hind[0], hind[2]), (front[0], front[2]), side)):
         foothold = crawl.footholds.sides[side].places[place]
         found = foothold.x * FINE_M, foothold.z * FINE_M
         assert math.dist(found, exact) < 0.01 * MM
