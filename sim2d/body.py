@@ -86,14 +86,14 @@ def _torso_shapes(robot: PlanarRobot, parts: Parts, payload_kg: float) -> list[p
 
 
 def _leg_shapes(robot: PlanarRobot, parts: Parts, leg: int) -> list[pymunk.Shape]:
-    """A thin thigh with the knee's rounding, a thin shank that hits risers, and the foot's circle."""
+    """A thin thigh with the knee's rounding, a thin calf that hits risers, and the foot's circle."""
     thigh, calf = parts.bodies[1 + 2 * leg], parts.bodies[2 + 2 * leg]
     foot = pymunk.Circle(calf, robot.foot_radius_m, parts.calf_foot_m)
-    shank = pymunk.Segment(calf, parts.calf_knee_m, parts.calf_foot_m, robot.shank_radius_m)
-    upper = pymunk.Segment(thigh, parts.thigh_top_m, parts.thigh_knee_m, robot.shank_radius_m)
+    lower = pymunk.Segment(calf, parts.calf_knee_m, parts.calf_foot_m, robot.link_radius_m)
+    upper = pymunk.Segment(thigh, parts.thigh_top_m, parts.thigh_knee_m, robot.link_radius_m)
     return [
         _in_group(foot, robot.foot_friction),
-        _in_group(shank, robot.body_friction),
+        _in_group(lower, robot.body_friction),
         _in_group(upper, robot.body_friction),
     ]
 

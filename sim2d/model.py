@@ -132,7 +132,7 @@ class PlanarRobot:
     calf_on_torso: bool = False
     foot_radius_m: float = 0.012
     foot_friction: float = 0.9
-    shank_radius_m: float = 0.006
+    link_radius_m: float = 0.006
     body_friction: float = 0.4
     torso_half_length_m: float = 0.15
     torso_half_height_m: float = 0.035
@@ -149,7 +149,7 @@ class PlanarRobot:
             low, high = getattr(self, name)
             if not low < high:
                 raise ValueError(f"{self.name}: {name} = ({low}, {high}) must rise")
-        for name in ("thigh_length_m", "calf_length_m", "foot_radius_m", "shank_radius_m", "end_stop_Nm_rad"):
+        for name in ("thigh_length_m", "calf_length_m", "foot_radius_m", "link_radius_m", "end_stop_Nm_rad"):
             if not getattr(self, name) > 0:
                 raise ValueError(f"{self.name}: {name} = {getattr(self, name)} must be above 0")
         if not self.end_stop_Nms_rad >= 0:

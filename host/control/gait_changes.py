@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from typing import Any
 
 from shared.crawl import state as crawl
-from shared.crawl.even import LEGS_EVEN
+from shared.crawl.ground import TROT_LANDINGS
 from shared.gait.table import MOVER_CRAWL, MOVER_TROT
 from shared.planner import handover
 from shared.planner import status as core
@@ -47,7 +47,7 @@ def change_reason(driver: Driver) -> str:
         handover.REASON_NONE: "",
         handover.REASON_HELD: "held up: its swings meet something again and again",
         handover.REASON_COMMAND: "the crawl was commanded" if exchange_phase(driver) else not_for_it,
-        handover.REASON_EVEN: f"even ground under the last {LEGS_EVEN} footholds",
+        handover.REASON_EVEN: f"even ground under the last {TROT_LANDINGS} footholds",
     }[driver.planner.status.reason]
 
 
@@ -68,10 +68,10 @@ def crawl_event(driver: Driver) -> str:
         crawl.EVENT_LANDED: f"{leg} stands, {off_mm:+.0f} mm from the expected height",
         crawl.EVENT_STEP: f"{leg} met ground {off_mm:.0f} mm above the expected height: it tries further on",
         crawl.EVENT_DROP: f"{leg} found no ground down to {off_mm:.0f} mm: it tries elsewhere",
-        crawl.EVENT_SHIN: f"{leg} had its shin on an edge: it lifts and goes further on",
+        crawl.EVENT_CALF: f"{leg} had its calf on an edge: it lifts and goes further on",
         crawl.EVENT_RISER: f"{leg} hit a riser: it goes back and higher",
         crawl.EVENT_NO_GROUND: f"{leg} found no ground down to {off_mm:.0f} mm and stays in the air",
-        crawl.EVENT_WARP: f"{leg} lifts although the diagonals do not carry the load that they should",
+        crawl.EVENT_DIAGONALS: f"{leg} lifts although the diagonals do not carry the load that they should",
     }[event.code]
 
 

@@ -7,6 +7,7 @@ A robot file's table ``crawl`` overrides single numbers, in SI. The keys are the
 from collections.abc import Iterator, Mapping
 from difflib import get_close_matches
 from math import pi
+from typing import NamedTuple
 
 from shared.body.crawl_setup import CrawlSetup
 from shared.body.params import CALF, FR, LEGS, LF_BITS, RR, THIGH, Leg, Params
@@ -22,21 +23,33 @@ _STRIDE_MM = 90  # the longest
 _LEAST_BEND = round(32768 * 30 / 180)  # brad, of a calf: the joints' errors show a foot's load times its sine
 _SECOND_US = 1_000_000
 _MM_THOUSANDTHS = 1_000_000  # in a metre
-_BODY = "lu / s^2"  # the body's accelerations do not go with the leg: gravity does not
-# The core's unit -> how a field's name ends, how its key ends in the file, how many of the table's units are 1 in SI
+
+
+class _Unit(NamedTuple):
+    """A unit of the core: how a field and its key in the file end, and how many of the table's units are 1 in SI."""
+
+    name_end: str
+    key_end: str
+    per_si: int = 1000
+    goes_with_leg: bool = False
+
+
 _UNITS = {
-    "lu": ("", "_m", 1000),
-    "lf / tick": ("", "_m_s", 1000),
-    "lf / tick^2": ("", "_m_s2", 1000),
-    "lu / s^2": ("", "_m_s2", 1000),
-    "ticks": ("_ticks", "_s", 1000),
-    "Q15 / tick": ("_q15", "_s", 1000),
-    "brad": ("", "_rad", 1000),
-    "Q15": ("_q15", "", 1000),
-    "own weight": ("_q12", "_weights", 10000),
+    "lu": _Unit("", "_m", goes_with_leg=True),
+    "lf / tick": _Unit("", "_m_s", goes_with_leg=True),
+    "lf / tick^2": _Unit("", "_m_s2", goes_with_leg=True),
+    "lu / s^2": _Unit("", "_m_s2"),  # the body's accelerations: gravity does not go with the leg
+    "ticks": _Unit("_ticks", "_s"),
+    "Q15 / tick": _Unit("_q15", "_s"),
+    "brad": _Unit("", "_rad"),
+    "Q15": _Unit("_q15", ""),
+    "own weight": _Unit("_q12", "_weights", 10000),
 }
 _NUMBERS = {name: place for name, place in CrawlSetup.FIELDS if place.default}  # type: ignore[attr-defined]
-_KEYS = {name.removesuffix(_UNITS[place.unit][0]) + _UNITS[place.unit][1]: name for name, place in _NUMBERS.items()}
+_KEYS = {
+    name.removesuffix(_UNITS[place.unit].name_end) + _UNITS[place.unit].key_end: name
+    for name, place in _NUMBERS.items()
+}
 # Damping of the body's sway from which the pose loop has the table's gains: with them Parallel (10.4) stands still, and
 # A1 (7.3) swayed until it fell
 _CALM_1_S = 10.0
@@ -78,7 +91,7 @@ def fill_crawl(params: Params, robot: Robot) -> None:
 
 def _one(unit: str, leg_m: float) -> float:
     """Return the SI value of 1 in the table, for a leg."""
-    return 1 / _UNITS[unit][2] * (leg_m * 1000 / _LEG_MM if unit.startswith("l") and unit != _BODY else 1)
+    return 1 / _UNITS[unit].per_si * (leg_m * 1000 / _LEG_MM if _UNITS[unit].goes_with_leg else 1)
 
 
 def _scaled(value: int, unit: str, params: Params) -> int:
@@ -86,12 +99,12 @@ def _scaled(value: int, unit: str, params: Params) -> int:
     rate_hz = params.rate_hz
     if unit in ("brad", "Q15", "own weight"):
         one = {"brad": 32768 / pi, "Q15": 32768, "own weight": 4096}[unit]
-        return round(value / 1000 / _UNITS[unit][2] * one)
+        return round(value / 1000 / _UNITS[unit].per_si * one)
     if unit == "ticks":
         return max(1, (value * rate_hz + _SECOND_US // 2) // _SECOND_US)
     if unit == "Q15 / tick":
         return min(32768, max(1, (32768 * _SECOND_US // value + rate_hz // 2) // rate_hz))
-    if unit == _BODY:
+    if not _UNITS[unit].goes_with_leg:
         return (value << params.length_shift) // _MM_THOUSANDTHS
     length = params.leg_length * value // (_LEG_MM * 1000)
     if unit == "lu":

@@ -59,7 +59,7 @@ def shapes(robot: Robot) -> Iterator[Shape]:
     """Yield the robot's visible shapes; a foot's shape belongs to the calf."""
     plane = planar_robot(robot)
     offset_m, thigh_m, calf_m = robot.geometry.links_m
-    radius_m, foot_m = plane.shank_radius_m, plane.foot_radius_m
+    radius_m, foot_m = plane.link_radius_m, plane.foot_radius_m
     yield Shape("trunk", "box", robot.links.trunk.size_m, (0.0, 0.0, 0.0), "trunk")
     for leg, name in enumerate(LEG_NAMES):
         hip_m = max(offset_m, radius_m)

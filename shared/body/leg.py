@@ -35,9 +35,9 @@ def leg_forward(params: Params, leg: int, joints: Ints, feet: Feet) -> None:
     l3 = base.calf_length
     l1 = base.hip_length
     thigh = joints[at + THIGH]
-    shank = thigh + joints[at + CALF]
-    foot.x = -mul_q15(l2, sin_q15(thigh)) - mul_q15(l3, sin_q15(shank))
-    drop = mul_q15(l2, cos_q15(thigh)) + mul_q15(l3, cos_q15(shank))
+    calf_pitch = thigh + joints[at + CALF]
+    foot.x = -mul_q15(l2, sin_q15(thigh)) - mul_q15(l3, sin_q15(calf_pitch))
+    drop = mul_q15(l2, cos_q15(thigh)) + mul_q15(l3, cos_q15(calf_pitch))
     sine = sin_q15(joints[at])
     cosine = cos_q15(joints[at])
     foot.y = mul_q15(l1, cosine) + mul_q15(drop, sine)

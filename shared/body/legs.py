@@ -16,7 +16,7 @@ class LegsWork:
     """What one loop hands to the next; nothing in it lasts beyond a tick."""
 
     def __init__(self) -> None:
-        self.waves = zeros(2 * JOINTS)  # Q15: sines of hip, thigh and shank of each leg, then their cosines
+        self.waves = zeros(2 * JOINTS)  # Q15: sines of hip, thigh and thigh + calf of each leg, then their cosines
         self.squares = zeros(2 * LEGS)  # lu^2: arguments of the roots
         self.roots = zeros(2 * LEGS)  # lu
         self.drops = zeros(LEGS)  # lu: a of leg.py, hip axis to foot in the leg's plane
@@ -32,7 +32,7 @@ _HALF = const(0x8000)
 
 @hot
 def legs_waves(joints: Ints, waves: Ints) -> None:
-    """Write sines and cosines, Q15, of hip, thigh and shank (thigh + calf) of 12 joints in brad.
+    """Write sines and cosines, Q15, of hip, thigh and thigh + calf of 12 joints in brad.
 
     Each as sin_q15 and cos_q15.
     """

@@ -1,4 +1,4 @@
-"""What a leg in the air feels: ground under the foot, an edge under the shin, a riser in front.
+"""What a leg in the air feels: ground under the foot, an edge under the calf, a riser in front.
 
 There is no foot switch: the vertical force comes from the joints' errors. A leg that hangs reads its own
 weight and its friction; that tare is taken before it goes down and followed while nothing touches.
@@ -8,7 +8,7 @@ from ..body.params import LF_BITS, RR, Params
 from ..num.filters import fraction
 from ..num.fixed import saturate
 from ..runtime import const, hot
-from .state import PAST_SIZE, Contact, Crawl
+from .state import HISTORY_TICKS, Contact, Crawl
 
 _MOST_RISERS = const(2)
 _RAD_BRAD = const(10430)  # 65536 / 2 pi
@@ -89,7 +89,7 @@ def stands_straight(params: Params, lift: int, off_lf: int) -> int:
     """Return 1 if a foot near its expected ground pushes the body's corner up by ``lift`` (lu): it stands; else 0.
 
     A nearly straight leg shows no load in its joints. off: of the foot above the expected ground, lf; near is within
-    what counts as even. Farther off, it may be the shin that pushes, on an edge.
+    what counts as even. Farther off, it may be the calf that pushes, on an edge.
     """
     even = params.crawl.drop_depth // 3 << LF_BITS
     if lift > params.crawl.stand_lift and off_lf < even and off_lf > -even:
@@ -101,17 +101,17 @@ def stands_straight(params: Params, lift: int, off_lf: int) -> int:
 def keep_past(contact: Contact, x_lf: int) -> None:
     """Keep where the foot is sent in this tick, for the riser."""
     at = contact.past_at + 1
-    if at >= PAST_SIZE:
+    if at >= HISTORY_TICKS:
         at = 0
-    contact.past[at] = x_lf
+    contact.past_x[at] = x_lf
     contact.past_at = at
 
 
 @hot
-def feel_riser(crawl: Crawl, seen_x_lf: int) -> int:
+def feel_riser(crawl: Crawl, measured_x_lf: int) -> int:
     """Return 1 if the moving foot is held up: farther behind its command of 60 ms ago than its speed explains.
 
-    seen_x: where the measured joints have it, lf.
+    measured_x: of the foot by the measured joints, lf.
     """
     params = crawl.params
     contact = crawl.contact
@@ -120,8 +120,8 @@ def feel_riser(crawl: Crawl, seen_x_lf: int) -> int:
         return 0
     at = contact.past_at - params.crawl.goal_lag_ticks
     if at < 0:
-        at += PAST_SIZE
-    behind = contact.past[at] - seen_x_lf >> LF_BITS
+        at += HISTORY_TICKS
+    behind = contact.past_x[at] - measured_x_lf >> LF_BITS
     way = swing.target.x - swing.departure.x >> LF_BITS
     if way < 0:
         way = -way

@@ -13,13 +13,12 @@ from ..num.fixed import saturate
 from ..runtime import Ints, const, hot
 from ..sense.legs import Sensing
 from .footholds import follow_front_feet, footholds_start
-from .goals import bridge, legs_goals, plan_loads
+from .goals import absorb_jump, legs_goals, plan_loads
 from .map import fit_body, follow_slips, roll_feet
 from .pose import hold_pose
-from .state import PAST_SIZE, REST, Crawl, Map, Support
+from .state import FULL_SHARE_Q12, HISTORY_TICKS, REST, Crawl, Map, Support
 from .steps import start_stages, take_stage
 
-_OWN_Q12 = const(4096)
 _LEAST_WEIGHT_Q12 = const(2867)  # 0.7 and 2.5 of the own weight: what a sum of joint errors may say
 _MOST_WEIGHT_Q12 = const(10240)
 _EMPTY_Q12 = const(4710)  # 1.15 of the own weight: up to here the robot is empty
@@ -36,30 +35,30 @@ def crawl_start(
     """
     for joint in range(JOINTS):
         crawl.goals[joint] = goals[joint]
-    forget(crawl)
+    crawl_reset(crawl)
     start_map(crawl, sensing, joints, roll_brad, pitch_brad)
     start_support(sensing, crawl.support)
     footholds_start(crawl)
     start_stages(crawl)
     plan_loads(crawl)
     for leg in range(LEGS):
-        bridge(crawl, leg, 0)
+        absorb_jump(crawl, leg, 0)
 
 
 @hot
-def forget(crawl: Crawl) -> None:
+def crawl_reset(crawl: Crawl) -> None:
     """Put back what a step does not set anew."""
     support = crawl.support
     for leg in range(LEGS):
         support.stance[leg] = 0
         support.force_q12[leg] = 0
     support.payload_q12 = 0
-    support.warp = 0
+    support.diagonal_offset = 0
     for axis in range(POSE_AXES):
         crawl.path.integral[axis] = 0
-        crawl.path.sag[axis] = 0
-    crawl.even.landed = 0
-    crawl.even.even_steps = 0
+        crawl.path.deviation[axis] = 0
+    crawl.ground.landings = 0
+    crawl.ground.even_landings = 0
     crawl.stage.ahead = 0
     crawl.event.code = 0
     crawl.event.number = 0
@@ -93,7 +92,7 @@ def start_support(sensing: Sensing, support: Support) -> None:
     total = 0
     for leg in range(LEGS):
         support.stance[leg] = 1
-        support.share_q12[leg] = _OWN_Q12
+        support.share_q12[leg] = FULL_SHARE_Q12
         total += sensing.force_q12[leg]
     support.weight_q12 = saturate(total, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
     support.weight_q20 = support.weight_q12 << 8
@@ -131,17 +130,17 @@ def crawl_tick(
 def estimate(crawl: Crawl, sensing: Sensing, measured: Ints, roll_brad: int, pitch_brad: int) -> None:
     """Bring the map, the forces and the weight up to date with what is measured."""
     take_tilt(crawl.params, crawl.map, roll_brad, pitch_brad)
-    rebase(crawl)
+    recentre_map(crawl)
     roll_feet(crawl, measured)
     fit_body(crawl, sensing)
     if crawl.stage.stage != REST:
         follow_slips(crawl)
     follow_front_feet(crawl)
-    weigh(crawl.params, sensing, crawl.support)
+    update_weight(crawl.params, sensing, crawl.support)
 
 
 @hot
-def weigh(params: Params, sensing: Sensing, support: Support) -> None:
+def update_weight(params: Params, sensing: Sensing, support: Support) -> None:
     """Smooth the feet's forces, and from their sum learn the weight carried and how heavy that is."""
     total = 0
     for leg in range(LEGS):
@@ -153,12 +152,11 @@ def weigh(params: Params, sensing: Sensing, support: Support) -> None:
     gap = (saturate(total, 0, 16383) << 8) - support.weight_q20
     support.weight_q20 += fraction(gap, params.crawl.weight_q15)
     support.weight_q12 = saturate(support.weight_q20 >> 8, _LEAST_WEIGHT_Q12, _MOST_WEIGHT_Q12)
-    payload = saturate(support.weight_q12, _OWN_Q12, _MOST_WEIGHT_Q12) - _EMPTY_Q12
-    support.payload_q12 = saturate(payload * 2, 0, 4096)
+    support.payload_q12 = saturate((support.weight_q12 - _EMPTY_Q12) * 2, 0, 4096)
 
 
 @hot
-def rebase(crawl: Crawl) -> int:
+def recentre_map(crawl: Crawl) -> int:
     """Move the map's origin to the body's x and z if one is farther than half a leg off; return 1 if it was moved.
 
     y stays, because its axis is the line that is walked along, until the body is half as far again off it: a new line.
@@ -193,7 +191,7 @@ def move_origin(crawl: Crawl, axis: int, by: int) -> None:
     map.body_pose[axis] -= by
     for leg in range(LEGS):
         map.feet[leg][axis] -= by
-        map.seen[leg][axis] -= by
+        map.measured[leg][axis] -= by
     for side in range(2):
         queue = crawl.footholds.sides[side]
         for place in range(queue.waiting):
@@ -211,5 +209,5 @@ def move_origin(crawl: Crawl, axis: int, by: int) -> None:
         swing.ground -= by
         swing.apex -= by
     if axis == 0:
-        for at in range(PAST_SIZE):
-            crawl.contact.past[at] -= by
+        for at in range(HISTORY_TICKS):
+            crawl.contact.past_x[at] -= by

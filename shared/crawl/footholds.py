@@ -1,14 +1,14 @@
 """Where the feet of the crawl go: every hind foot steps into a foothold of the front foot of its side.
 
 So the hind feet know the height of their ground, but for the first footholds, which are guessed. Each side has a queue
-of at most four. A front foot goes half a stride beyond the other front foot. On even ground, where the crawl strides
-out, a hind foot may step anywhere: it keeps its distance to the front foot of its side.
+of at most four. A front foot goes half a stride beyond the other front foot. On even ground, where strides are long, a
+hind foot may step anywhere: it keeps its distance to the front foot of its side.
 """
 
 from ..body.params import FL, FR, LF_BITS, RR, Params
 from ..num.fixed import saturate
 from ..runtime import hot
-from .even import expected_rise, stride_lf, strides_out
+from .ground import expected_rise, long_strides, stride_lf
 from .state import MOST_FOOTHOLDS, Crawl, Footholds, Map
 
 
@@ -108,8 +108,8 @@ def aim(crawl: Crawl, leg: int) -> None:
     if leg < RR:
         aim_front(crawl, leg)
         return
-    if strides_out(crawl.even):
-        stride_hind(crawl, leg)
+    if long_strides(crawl.ground):
+        aim_hind_even(crawl, leg)
     else:
         aim_hind(crawl, leg)
     apex = crawl.map.feet[leg].z
@@ -167,7 +167,7 @@ def aim_hind(crawl: Crawl, leg: int) -> None:
 
 
 @hot
-def stride_hind(crawl: Crawl, leg: int) -> None:
+def aim_hind_even(crawl: Crawl, leg: int) -> None:
     """Aim a hind foot on even ground a hip distance behind the next place of its side's front foot.
 
     0.5 .. 1.4 strides on. Footholds of the front foot are not needed: those that it has left are forgotten.
@@ -189,7 +189,7 @@ def stride_hind(crawl: Crawl, leg: int) -> None:
 
 @hot
 def lay_between(crawl: Crawl, leg: int) -> None:
-    """Lay two footholds between a hind foot and the only one it has, where the crawl strides out no more.
+    """Lay two footholds between a hind foot and the only one it has, where strides are no longer long.
 
     They are a stride apart, a third of the way if that is less, and as high as the foot: that ground was even.
     """

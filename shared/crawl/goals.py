@@ -16,18 +16,18 @@ from ..body.stability import support_margin
 from ..num.filters import fraction
 from ..num.fixed import cos_q15, saturate, sin_q15
 from ..runtime import Ints, const, hot
-from .pose import mass_ahead
+from .pose import com_ahead
 from .state import Crawl, Support
 
-_WARP_SIGNS = const(6)  # bits of the legs FL and RR: they go down where FR and RL go up
+_LOWERED_LEGS = const(6)  # bits of FL and RR: they go down where FR and RL go up
 
 
 @hot
-def foot_warp(support: Support, leg: int) -> int:
-    """Return the warp of ``leg``, lf: + for FR and RL, - for FL and RR."""
-    if _WARP_SIGNS >> leg & 1:
-        return -support.warp
-    return support.warp
+def foot_offset(support: Support, leg: int) -> int:
+    """Return by how much the diagonal offset raises a stance foot, lf: FR and RL by it, FL and RR against it."""
+    if _LOWERED_LEGS >> leg & 1:
+        return -support.diagonal_offset
+    return support.diagonal_offset
 
 
 @hot
@@ -38,7 +38,7 @@ def plan_loads(crawl: Crawl) -> int:
     support = crawl.support
     feet = crawl.feet
     weights = crawl.weights
-    ahead = mass_ahead(params, path.wanted.pitch >> LF_BITS)
+    ahead = com_ahead(params, path.wanted.pitch >> LF_BITS)
     planar = 0
     if params.lateral_q12 == 0:
         planar = 1
@@ -51,7 +51,7 @@ def plan_loads(crawl: Crawl) -> int:
         foot.x = saturate(place.x - path.wanted.x >> LF_BITS, -32767, 32767)
         foot.y = saturate(place.y - path.wanted.y >> LF_BITS, -32767, 32767)
         foot.z = saturate(place.z - path.wanted.z >> LF_BITS, -32767, 32767)
-    load_share(feet, weights, ahead, 0, saturate(support.weight_q12, 0, 16383), planar, crawl.load)
+    load_share(feet, weights, ahead, 0, support.weight_q12, planar, crawl.load)
     for leg in range(LEGS):
         support.load_q12[leg] = crawl.load.wanted_q12[leg]
         weights[leg] = support.stance[leg]
@@ -70,7 +70,7 @@ def take_pose(crawl: Crawl, swings: int) -> None:
     for axis in range(POSE_AXES):
         value = path.commanded[axis]
         if swings:
-            value = path.wanted[axis] + path.sag[axis]
+            value = path.wanted[axis] + path.deviation[axis]
         pose[axis] = value + 128 >> LF_BITS
     heading = pose.yaw
     pose.yaw = 0
@@ -106,7 +106,7 @@ def place_foot(crawl: Crawl, leg: int, swings: int) -> None:
         foot_in_body(crawl, leg, swing.place.x, swing.place.y, swing.place.z)
     else:
         foot = crawl.map.feet[leg]
-        foot_in_body(crawl, leg, foot.x, foot.y, foot.z + foot_warp(crawl.support, leg))
+        foot_in_body(crawl, leg, foot.x, foot.y, foot.z + foot_offset(crawl.support, leg))
     body_to_hip(crawl.params, leg, crawl.level, crawl.rotation, crawl.feet, crawl.hip_feet)
     if swings:
         swing.leg_length = plane_length(crawl.params, leg, crawl.hip_feet)
@@ -129,7 +129,7 @@ def leg_goal(crawl: Crawl, leg: int, swings: int) -> int:
 
 
 @hot
-def bridge(crawl: Crawl, leg: int, swings: int) -> None:
+def absorb_jump(crawl: Crawl, leg: int, swings: int) -> None:
     """Take the jump that ``leg`` would make by changing to stance (0) or swing (1) into its offsets."""
     take_pose(crawl, swings)
     leg_goal(crawl, leg, swings)

@@ -3,7 +3,7 @@
 The tilt comes from the attitude filter as R = Rx(roll) Ry(pitch), the heading about the world's z is in
 front of it, so a foot of the map is at b + Rz(heading) Rx Ry (hip + leg). For the small tilts of a walk this
 is the ROS order but for roll times pitch. Stance feet stay where they are in the map, except that a round
-foot rolls when its shank turns and that a foot which has slipped is followed slowly.
+foot rolls when its calf_pitch turns and that a foot which has slipped is followed slowly.
 """
 
 from ..body.params import CALF, FL, FR, LEGS, LF_BITS, RL, RR, THIGH
@@ -11,7 +11,7 @@ from ..num.filters import fraction
 from ..num.fixed import atan2_brad18, cos_q15, saturate, sin_q15
 from ..runtime import Ints, const, hot
 from ..sense.legs import Sensing
-from .state import Crawl, Map, Support
+from .state import Crawl, Map
 
 _LEAST_SHARE_Q8 = const(13)  # a stance foot always counts 5 %
 _HALF_SHARE_Q12 = const(2048)  # only loaded feet tell of a slip: an unloaded one has risen with a tilting body
@@ -22,7 +22,7 @@ _NEAR_LU = const(16383)
 def roll_feet(crawl: Crawl, joints: Ints) -> None:
     """Move the map places of the stance feet by how far their round feet have rolled.
 
-    The centre of a foot of radius r moves by r times the turn of its shank (pitch + thigh + calf), along the
+    The centre of a foot of radius r moves by r times the turn of its calf (pitch + thigh + calf), along the
     heading. Turns above 840 brad in a tick are cut off. Largest intermediate 32767 * 32767.
     """
     map = crawl.map
@@ -30,9 +30,9 @@ def roll_feet(crawl: Crawl, joints: Ints) -> None:
     pitch = map.body_pose.pitch >> LF_BITS
     yaw = map.body_pose.yaw >> LF_BITS
     for leg in range(LEGS):
-        shank = pitch + joints[leg * 3 + THIGH] + joints[leg * 3 + CALF]
-        turn = saturate(shank - map.shank[leg], -840, 840)
-        map.shank[leg] = shank
+        calf_pitch = pitch + joints[leg * 3 + THIGH] + joints[leg * 3 + CALF]
+        turn = saturate(calf_pitch - map.calf_pitch[leg], -840, 840)
+        map.calf_pitch[leg] = calf_pitch
         if crawl.support.stance[leg]:
             rolled = saturate(turn * roll_q8 >> 8, -32767, 32767)
             map.feet[leg].x += rolled * cos_q15(yaw) >> 15
@@ -40,40 +40,43 @@ def roll_feet(crawl: Crawl, joints: Ints) -> None:
 
 
 @hot
-def foot_weight_q8(support: Support, leg: int) -> int:
-    """Return how much a foot counts in the fit, 0 in the air, 13 .. 256 by its share of the load."""
-    if support.stance[leg] == 0:
-        return 0
-    weight = support.share_q12[leg] >> 4
-    if weight < _LEAST_SHARE_Q8:
-        return _LEAST_SHARE_Q8
-    return weight
+def weigh_feet(crawl: Crawl) -> int:
+    """Write how much each foot counts in the fit, Q8, into ``crawl.weights``; return the sum.
+
+    0 in the air, 13 .. 256 by its share of the load.
+    """
+    support = crawl.support
+    total = 0
+    for leg in range(LEGS):
+        weight = 0
+        if support.stance[leg]:
+            weight = saturate(support.share_q12[leg] >> 4, _LEAST_SHARE_Q8, 256)
+        crawl.weights[leg] = weight
+        total += weight
+    return total
 
 
 @hot
-def fit_heading(crawl: Crawl, sensing: Sensing) -> int:
-    """Return the heading, 2^-24 turn, that turns the levelled stance feet onto their map places best; 0 if none stand.
+def fit_heading(crawl: Crawl, sensing: Sensing, total: int) -> int:
+    """Return the heading, 2^-24 turn, that turns the levelled stance feet onto their map places best.
 
     Least squares in the plane (Procrustes): atan2(sum w (m x f), sum w (m . f)) about the weighted middles.
-    Feet within 16383 lu * 2 of the middles. Intermediates: 2 * 16383^2 < 2^29; sums (2^19 + 1) * 256 * 4.
+    total: 1 or more, the sum of ``crawl.weights``. Feet within 16383 lu * 2 of the middles.
+    Intermediates: 2 * 16383^2 < 2^29; sums (2^19 + 1) * 256 * 4.
     """
     map = crawl.map
-    support = crawl.support
-    total = 0
+    weights = crawl.weights
     mx = 0
     my = 0
     fx = 0
     fy = 0
     for leg in range(LEGS):
-        w = foot_weight_q8(support, leg)
+        w = weights[leg]
         foot = map.feet[leg]
-        total += w
         mx += w * sensing.level[leg].x
         my += w * sensing.level[leg].y
         fx += w * (foot.x - map.body_pose.x >> LF_BITS)
         fy += w * (foot.y - map.body_pose.y >> LF_BITS)
-    if total == 0:
-        return 0
     mx = mx // total
     my = my // total
     fx = fx // total
@@ -81,7 +84,7 @@ def fit_heading(crawl: Crawl, sensing: Sensing) -> int:
     across = 0
     along = 0
     for leg in range(LEGS):
-        w = foot_weight_q8(support, leg)
+        w = weights[leg]
         foot = map.feet[leg]
         ax = saturate(sensing.level[leg].x - mx >> 1, -_NEAR_LU, _NEAR_LU)
         ay = saturate(sensing.level[leg].y - my >> 1, -_NEAR_LU, _NEAR_LU)
@@ -101,59 +104,56 @@ def turn_feet(sensing: Sensing, map: Map) -> None:
     cosine = cos_q15(map.body_pose.yaw >> LF_BITS) >> 1
     sine = sin_q15(map.body_pose.yaw >> LF_BITS) >> 1
     for leg in range(LEGS):
-        seen = map.seen[leg]
+        measured = map.measured[leg]
         level = sensing.level[leg]
         x = level.x
         y = level.y
-        seen.x = x * cosine - y * sine + 32 >> 6
-        seen.y = x * sine + y * cosine + 32 >> 6
-        seen.z = level.z << LF_BITS
+        measured.x = x * cosine - y * sine + 32 >> 6
+        measured.y = x * sine + y * cosine + 32 >> 6
+        measured.z = level.z << LF_BITS
 
 
 @hot
 def fit_body(crawl: Crawl, sensing: Sensing) -> None:
-    """Update heading and place of the body from the stance feet, and where all feet are seen.
+    """Update heading and place of the body from the stance feet, and where the measured feet are.
 
     The place moves by the weighted mean of what separates the map places from the measured feet, in 1/16 lu,
     each within +-32767 lu. Intermediates: 2^19 * 256 * 4 = 2^29.
     """
     map = crawl.map
-    map.body_pose.yaw = 0
-    if crawl.params.lateral_q12:
-        map.body_pose.yaw = fit_heading(crawl, sensing)
-    turn_feet(sensing, map)
     weights = crawl.weights
-    total = 0
-    for leg in range(LEGS):
-        weights[leg] = foot_weight_q8(crawl.support, leg)
-        total += weights[leg]
+    total = weigh_feet(crawl)
+    map.body_pose.yaw = 0
+    if crawl.params.lateral_q12 and total:
+        map.body_pose.yaw = fit_heading(crawl, sensing, total)
+    turn_feet(sensing, map)
     x = 0
     y = 0
     z = 0
     for leg in range(LEGS):
         foot = map.feet[leg]
-        seen = map.seen[leg]
-        x += weights[leg] * saturate(foot.x - map.body_pose.x - seen.x + 8 >> 4, -0x7FFFF, 0x7FFFF)
-        y += weights[leg] * saturate(foot.y - map.body_pose.y - seen.y + 8 >> 4, -0x7FFFF, 0x7FFFF)
-        z += weights[leg] * saturate(foot.z - map.body_pose.z - seen.z + 8 >> 4, -0x7FFFF, 0x7FFFF)
+        measured = map.measured[leg]
+        x += weights[leg] * saturate(foot.x - map.body_pose.x - measured.x + 8 >> 4, -0x7FFFF, 0x7FFFF)
+        y += weights[leg] * saturate(foot.y - map.body_pose.y - measured.y + 8 >> 4, -0x7FFFF, 0x7FFFF)
+        z += weights[leg] * saturate(foot.z - map.body_pose.z - measured.z + 8 >> 4, -0x7FFFF, 0x7FFFF)
     if total:
         map.body_pose.x += x // total << 4
         map.body_pose.y += y // total << 4
         map.body_pose.z += z // total << 4
     for leg in range(LEGS):
-        seen = map.seen[leg]
-        seen.x += map.body_pose.x
-        seen.y += map.body_pose.y
-        seen.z += map.body_pose.z
+        measured = map.measured[leg]
+        measured.x += map.body_pose.x
+        measured.y += map.body_pose.y
+        measured.z += map.body_pose.z
 
 
 @hot
 def follow_slips(crawl: Crawl) -> None:
-    """Let the map's places of loaded feet follow slowly where the feet are seen.
+    """Let the map's places of loaded feet follow slowly where the feet are measured.
 
-    Only feet that carry count, with more than half their share; in the plane, where no warp brings an unloaded foot
-    down again, the others too. A foot that is far off in height is followed fast: it stood on something that
-    gave way.
+    Only feet that carry count, with more than half their share; in the plane, where no diagonal offset brings an
+    unloaded foot down again, the others too. A foot that is far off in height is followed fast: it stood on something
+    that gave way.
     """
     params = crawl.params
     support = crawl.support
@@ -165,10 +165,10 @@ def follow_slips(crawl: Crawl) -> None:
     for leg in range(LEGS):
         if support.stance[leg] and support.share_q12[leg] > _HALF_SHARE_Q12 and support.force_q12[leg] > least:
             foot = map.feet[leg]
-            seen = map.seen[leg]
-            foot.x += fraction(saturate(seen.x - foot.x, -0xFFFFFF, 0xFFFFFF), params.crawl.slip_level_q15)
-            foot.y += fraction(saturate(seen.y - foot.y, -0xFFFFFF, 0xFFFFFF), params.crawl.slip_level_q15)
-            gap = saturate(seen.z - foot.z, -0xFFFFFF, 0xFFFFFF)
+            measured = map.measured[leg]
+            foot.x += fraction(saturate(measured.x - foot.x, -0xFFFFFF, 0xFFFFFF), params.crawl.slip_level_q15)
+            foot.y += fraction(saturate(measured.y - foot.y, -0xFFFFFF, 0xFFFFFF), params.crawl.slip_level_q15)
+            gap = saturate(measured.z - foot.z, -0xFFFFFF, 0xFFFFFF)
             gain = params.crawl.slip_height_q15
             if gap > far or gap < -far:
                 gain = params.crawl.slip_far_q15

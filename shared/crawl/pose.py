@@ -13,13 +13,12 @@ from ..body.stability import point_inside
 from ..num.filters import fraction, quintic_q15
 from ..num.fixed import atan2_brad, cos_q15, hypot, isqrt, mul_q15, saturate, sin_q15
 from ..runtime import const, hot
-from .even import strides_out
+from .ground import long_strides
 from .map import front_to_hind, mean_foot
 from .state import BodyPath, Crawl, Map
 
+_OWN_WEIGHT_Q12 = const(4096)
 _TURN_RATE_Q15 = const(6434)  # 2 pi / 32: brad times lu to lf
-_OWN_Q12 = const(4096)
-_LOAD_MAX_Q12 = const(10240)
 
 
 @hot
@@ -39,7 +38,7 @@ def feet_pitch(params: Params, map: Map) -> int:
 
 
 @hot
-def mass_ahead(params: Params, pitch: int) -> int:
+def com_ahead(params: Params, pitch: int) -> int:
     """Return how far the centre of mass is in front of the body's place at ``pitch`` (brad), lu. Error 1 lu."""
     return mul_q15(params.com_x, cos_q15(pitch)) + mul_q15(params.crawl.com_z, sin_q15(pitch))
 
@@ -56,7 +55,7 @@ def take_feet(crawl: Crawl) -> None:
 
 
 @hot
-def mass_target(crawl: Crawl, leg: int, wanted_x: int) -> None:
+def com_target(crawl: Crawl, leg: int, wanted_x: int) -> None:
     """Write into ``crawl.point`` (x, y in lu of the map) where the centre of mass goes before ``leg`` lifts.
 
     The nearest point to (wanted_x lu, mean y) that is inside the triangle of the other three by the margin; in
@@ -126,7 +125,7 @@ def plan_body(crawl: Crawl, skip: int) -> int:
     path = crawl.path
     pose = crawl.pose
     pitch = feet_pitch(params, map)
-    pose.x = crawl.point.x - mass_ahead(params, pitch)
+    pose.x = crawl.point.x - com_ahead(params, pitch)
     pose.y = crawl.point.y
     height = params.crawl.height + (params.crawl.payload_height * crawl.support.payload_q12 >> 12)
     pose.z = (mean_foot(map, 2) >> LF_BITS) + height
@@ -165,7 +164,7 @@ def move_ticks(crawl: Crawl) -> int:
     params = crawl.params
     path = crawl.path
     acceleration = params.crawl.body_acceleration
-    if strides_out(crawl.even):
+    if long_strides(crawl.ground):
         acceleration = params.crawl.quick_body_acceleration
     dx = path.to_pose.x - path.from_pose.x >> LF_BITS
     dy = path.to_pose.y - path.from_pose.y >> LF_BITS
@@ -178,9 +177,9 @@ def move_ticks(crawl: Crawl) -> int:
     turn = path.to_pose.pitch - path.from_pose.pitch >> LF_BITS
     if turn < 0:
         turn = -turn
-    nod = mul_q15(saturate(turn, 0, 32767), _TURN_RATE_Q15) * (params.crawl.half_length >> 3)
-    if nod > rise:
-        rise = nod
+    hip_rise = mul_q15(saturate(turn, 0, 32767), _TURN_RATE_Q15) * (params.crawl.half_length >> 3)
+    if hip_rise > rise:
+        rise = hip_rise
     if rise // params.crawl.body_speed > ticks:
         ticks = rise // params.crawl.body_speed
     if ticks < params.crawl.body_ticks:
@@ -211,8 +210,9 @@ def hold_pose(crawl: Crawl) -> None:
     params = crawl.params
     map = crawl.map
     path = crawl.path
-    load = saturate(crawl.support.weight_q12, _OWN_Q12, _LOAD_MAX_Q12)
-    gain = params.crawl.integral_q15 * 4096 // load
+    gain = params.crawl.integral_q15
+    if crawl.support.weight_q12 > _OWN_WEIGHT_Q12:
+        gain = gain * _OWN_WEIGHT_Q12 // crawl.support.weight_q12
     limit = params.crawl.position_limit << LF_BITS
     for axis in range(POSE_AXES):
         if axis > 2:
@@ -224,8 +224,8 @@ def hold_pose(crawl: Crawl) -> None:
         integral = saturate(path.integral[axis] + fraction(error, gain), -limit, limit)
         path.integral[axis] = integral
         path.commanded[axis] = wanted + saturate(fraction(error, params.crawl.error_q15) + integral, -limit, limit)
-        away = saturate(measured - wanted, -0xFFFFFF, 0xFFFFFF)
-        path.sag[axis] += fraction(away - path.sag[axis], params.crawl.sag_q15)
+        deviation = saturate(measured - wanted, -0xFFFFFF, 0xFFFFFF)
+        path.deviation[axis] += fraction(deviation - path.deviation[axis], params.crawl.deviation_q15)
     if params.lateral_q12 == 0:
         path.commanded.y = 0
         path.commanded.roll = 0

@@ -21,12 +21,13 @@ EVENT_NONE = const(0)
 EVENT_LANDED = const(1)
 EVENT_STEP = const(2)  # ground higher than expected: another try further on
 EVENT_DROP = const(3)  # no ground where it was expected: another try further out
-EVENT_SHIN = const(4)  # the shin, not the foot, stands on an edge
+EVENT_CALF = const(4)  # the calf, not the foot, stands on an edge
 EVENT_RISER = const(5)  # the foot ran into a riser
 EVENT_NO_GROUND = const(6)  # no ground at all: the foot is left hanging
-EVENT_WARP = const(7)  # the loads of the diagonals could not be brought to what was wanted
+EVENT_DIAGONALS = const(7)  # the loads of the diagonals could not be brought to what was wanted
 
-PAST_SIZE = const(32)  # ticks
+FULL_SHARE_Q12 = const(4096)
+HISTORY_TICKS = const(32)  # ticks
 MOST_FOOTHOLDS = const(4)  # of a side
 
 
@@ -38,9 +39,9 @@ class Map:
     """
 
     feet: list[Point] = parts(LEGS, Point, "where FR, FL, RR, RL stand, lf")
-    seen: list[Point] = parts(LEGS, Point, "where the measured joints say that they are, lf")
+    measured: list[Point] = parts(LEGS, Point, "where they are by the measured joints, lf")
     body_pose: Pose = part(Pose, "where the body is, lf, bf")
-    shank: Ints = vector(LEGS, "brad", "slope of the shank in the tick before")
+    calf_pitch: Ints = vector(LEGS, "brad", "pitch of the calf in the tick before")
 
 
 @record
@@ -54,7 +55,7 @@ class Support:
     weight_q20: int = field("own weight", "carried, payload included, as the feet tell it")
     weight_q12: int = field("own weight", "the same within 0.7 .. 2.5")
     payload_q12: int = field("", "payload: 0 up to 1.15 own weights, 4096 from 1.65 on")
-    warp: int = field("lf", "of the diagonal FR, RL upwards, of the other downwards")
+    diagonal_offset: int = field("lf", "of the feet FR, RL upwards, of the other two downwards")
     margin: int = field("lu", "centre of mass inside the support polygon")
 
 
@@ -87,7 +88,7 @@ class BodyPath:
     lagged: Ints = vector(POSE_AXES, "lf, bf", "the wanted pose, as late as servos and bus are")
     integral: Ints = vector(POSE_AXES, "lf, bf", "of the pose loop")
     commanded: Pose = part(Pose, "pose that the stance legs are told")
-    sag: Ints = vector(POSE_AXES, "lf, bf", "measured less wanted pose, smoothed")
+    deviation: Ints = vector(POSE_AXES, "lf, bf", "measured less wanted pose, smoothed")
 
 
 @record
@@ -116,16 +117,16 @@ class Contact:
     tare_q12: int = field("own weight", "force that it reads without contact")
     load_ticks: int = field("ticks", "with load, in a row")
     peak: int = field("", "1: more than the least of a contact in one of them")
-    past: Ints = vector(PAST_SIZE, "lf", "x that the foot was sent to in the ticks before, in a ring")
+    past_x: Ints = vector(HISTORY_TICKS, "lf", "x that the foot was sent to in the ticks before, in a ring")
     past_at: int = field("", "where the last is")
 
 
 @record
-class Evenness:
+class Ground:
     """How even the ground has been."""
 
-    landed: int = field("", "legs that have landed since the start")
-    even_steps: int = field("", "legs that have landed in a row on even ground")
+    landings: int = field("", "of all legs since the start")
+    even_landings: int = field("", "of these the last in a row on even ground")
 
 
 @record
@@ -134,7 +135,7 @@ class Stage:
 
     stage: int = field("", "SHIFT .. STILL")
     stage_tick: int = field("ticks", "of the stage")
-    turn: int = field("", "place in the order of the legs, 0 .. 3")
+    order: int = field("", "place in the order of the legs, 0 .. 3")
     leg: int = field("", "the leg that it is about")
     ahead: int = field("lf", "how far the command is ahead of the steps made")
 
@@ -143,7 +144,7 @@ class Stage:
 class Event:
     """What a leg met last, to be told."""
 
-    code: int = field("", "EVENT_NONE .. EVENT_WARP")
+    code: int = field("", "EVENT_NONE .. EVENT_DIAGONALS")
     leg: int = field("", "which")
     z: int = field("lu", "off the expected height")
     number: int = field("", "how many so far: a change is news")
@@ -161,7 +162,7 @@ class Crawl:
         self.path = BodyPath()
         self.swing = Swing()
         self.contact = Contact()
-        self.even = Evenness()
+        self.ground = Ground()
         self.event = Event()
         self.goals = zeros(JOINTS)  # brad, of the tick before
         self.jumps = zeros(JOINTS)  # bf, what is left of the jumps where stance and swing meet

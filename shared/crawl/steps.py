@@ -3,7 +3,7 @@
     SHIFT -> LIFT -> SWING -> HANG -> LOWER -> (landed) REST -> SHIFT of the next leg ...
 
 Order RL, FL, RR, FR. On even ground the strides are long and the motions quick. A swing that meets a step, a drop, a
-riser or its own shin on an edge is tried again somewhere else, at most three times; the body goes along so that the
+riser or its own calf on an edge is tried again somewhere else, at most three times; the body goes along so that the
 leg comes down steeply.
 """
 
@@ -11,22 +11,23 @@ from ..body.params import FL, FR, LEGS, LF_BITS, RR
 from ..num.fixed import saturate
 from ..runtime import const, hot
 from .contact import corner_lift, feel_ground, feel_riser, keep_past, stands_straight, start_contact, take_tare
-from .even import note_landing, stride_lf, strides_out
 from .footholds import aim, draw_back, foothold_add, lay_between, next_foothold_x, steps_down
-from .goals import bridge
-from .pose import mass_target, move_body, plan_body, resting_x
+from .goals import absorb_jump
+from .ground import long_strides, note_landing, stride_lf
+from .pose import com_target, move_body, plan_body, resting_x
 from .state import (
+    EVENT_CALF,
+    EVENT_DIAGONALS,
     EVENT_DROP,
     EVENT_LANDED,
     EVENT_NO_GROUND,
     EVENT_RISER,
-    EVENT_SHIN,
     EVENT_STEP,
-    EVENT_WARP,
+    FULL_SHARE_Q12,
     HANG,
+    HISTORY_TICKS,
     LIFT,
     LOWER,
-    PAST_SIZE,
     REST,
     SHIFT,
     SWING,
@@ -35,7 +36,6 @@ from .state import (
 from .swing import lift_foot, lower_foot, start_swing, swing_foot
 
 _ORDER = const(0x0213)  # RL 3, FL 1, RR 2, FR 0, from the lowest four bits
-_FULL_Q12 = const(4096)
 _TRIES_UNKNOWN_STEP = const(2)  # of what may be a step where nothing is known: the next foot knows more
 _TRIES = const(3)
 
@@ -49,7 +49,7 @@ def enter(crawl: Crawl, next: int) -> None:
 
 
 @hot
-def tell(crawl: Crawl, code: int, z_lf: int) -> None:
+def note_event(crawl: Crawl, code: int, z_lf: int) -> None:
     """Keep an event of the present leg with a height off the expected one."""
     event = crawl.event
     event.code = code
@@ -57,13 +57,13 @@ def tell(crawl: Crawl, code: int, z_lf: int) -> None:
     event.z = z_lf >> LF_BITS
     event.number = event.number + 1 & 0xFFFFFF
     if code != EVENT_LANDED:
-        crawl.even.even_steps = 0
+        crawl.ground.even_landings = 0
 
 
 @hot
 def start_stages(crawl: Crawl) -> None:
     """Begin with the shift off the first leg."""
-    crawl.stage.turn = 0
+    crawl.stage.order = 0
     crawl.stage.leg = _ORDER & 15
     plan_shift(crawl)
 
@@ -106,14 +106,14 @@ def swing_stage(crawl: Crawl, leg: int) -> None:
 def plan_shift(crawl: Crawl) -> None:
     """Begin to shift the body off the present leg.
 
-    Before a step down the hip goes over the landing place: a straight leg keeps its shin off the edge.
+    Before a step down the hip goes over the landing place: a straight leg keeps its calf off the edge.
     """
     leg = crawl.stage.leg
-    if leg >= RR and strides_out(crawl.even) == 0:
+    if leg >= RR and long_strides(crawl.ground) == 0:
         lay_between(crawl, leg)
     wanted = resting_x(crawl)
     if steps_down(crawl, leg):
-        above = over_foot(crawl, leg, next_foothold_x(crawl.footholds, leg))
+        above = hip_over(crawl, leg, next_foothold_x(crawl.footholds, leg))
         if above > wanted:
             wanted = above
     enter(crawl, SHIFT)
@@ -121,7 +121,7 @@ def plan_shift(crawl: Crawl) -> None:
 
 
 @hot
-def over_foot(crawl: Crawl, leg: int, x_lf: int) -> int:
+def hip_over(crawl: Crawl, leg: int, x_lf: int) -> int:
     """Return x in lu of the centre of mass that puts the hip of ``leg`` over the map's ``x``."""
     return (x_lf >> LF_BITS) - crawl.params.legs[leg].hip.x + crawl.params.com_x
 
@@ -129,7 +129,7 @@ def over_foot(crawl: Crawl, leg: int, x_lf: int) -> int:
 @hot
 def shift_to(crawl: Crawl, leg: int, wanted_x: int, skip: int) -> None:
     """Plan the body's move to ``wanted_x`` (lu), inside the support without ``leg``."""
-    mass_target(crawl, leg, wanted_x)
+    com_target(crawl, leg, wanted_x)
     plan_body(crawl, skip)
 
 
@@ -140,25 +140,25 @@ def shift_tick(crawl: Crawl, leg: int) -> None:
     stage = crawl.stage
     support = crawl.support
     path = crawl.path
-    step = _FULL_Q12 // params.crawl.share_ticks
+    step = FULL_SHARE_Q12 // params.crawl.share_ticks
     for other in range(LEGS):
         if other != leg:
-            support.share_q12[other] = saturate(support.share_q12[other] + step, 0, _FULL_Q12)
+            support.share_q12[other] = saturate(support.share_q12[other] + step, 0, FULL_SHARE_Q12)
     if path.move_ticks - stage.stage_tick < params.crawl.share_ticks or 2 * stage.stage_tick >= path.move_ticks:
-        support.share_q12[leg] = saturate(support.share_q12[leg] - step, 0, _FULL_Q12)
+        support.share_q12[leg] = saturate(support.share_q12[leg] - step, 0, FULL_SHARE_Q12)
     error = match_diagonals(crawl, leg)
     if support.share_q12[leg] or stage.stage_tick <= path.move_ticks + params.crawl.settle_ticks:
         return
-    if stage.stage_tick > path.move_ticks + params.crawl.warp_ticks:
-        tell(crawl, EVENT_WARP, support.warp)
+    if stage.stage_tick > path.move_ticks + params.crawl.diagonal_ticks:
+        note_event(crawl, EVENT_DIAGONALS, support.diagonal_offset)
         lift_off(crawl, leg)
-    elif error < params.crawl.warp_least_q12 and error > -params.crawl.warp_least_q12:
+    elif error < params.crawl.diagonal_error_q12 and error > -params.crawl.diagonal_error_q12:
         lift_off(crawl, leg)
 
 
 @hot
 def match_diagonals(crawl: Crawl, leg: int) -> int:
-    """Move the warp so that both diagonals carry what they should; return the error, Q12 of the own weight.
+    """Move the diagonal offset so that both diagonals carry what they should; return the error, Q12 of the own weight.
 
     Four feet on uneven ground are one too many to know their loads: one diagonal may carry it all. Nothing
     is left to see once the leg that lifts is free.
@@ -176,9 +176,9 @@ def match_diagonals(crawl: Crawl, leg: int) -> int:
             gap = -gap
         error += gap
     error = saturate(error, -16383, 16383)
-    most = params.crawl.warp_max << LF_BITS
-    step = saturate(error * params.crawl.warp_gain >> 12, -params.crawl.warp_speed, params.crawl.warp_speed)
-    support.warp = saturate(support.warp + step, -most, most)
+    most = params.crawl.diagonal_max << LF_BITS
+    step = saturate(error * params.crawl.diagonal_gain >> 12, -params.crawl.diagonal_speed, params.crawl.diagonal_speed)
+    support.diagonal_offset = saturate(support.diagonal_offset + step, -most, most)
     return error
 
 
@@ -196,10 +196,10 @@ def lift_off(crawl: Crawl, leg: int) -> None:
     swing.dropped = 0
     if leg < RR:
         crawl.footholds.sides[leg].occupied = 0
-    for at in range(PAST_SIZE):
-        crawl.contact.past[at] = swing.place.x
+    for at in range(HISTORY_TICKS):
+        crawl.contact.past_x[at] = swing.place.x
     enter(crawl, LIFT)
-    bridge(crawl, leg, 1)
+    absorb_jump(crawl, leg, 1)
 
 
 @hot
@@ -207,10 +207,10 @@ def swing_tick(crawl: Crawl, leg: int) -> None:
     """Take one tick across: into a riser go back and over, at the end hang."""
     swing = crawl.swing
     there = swing_foot(crawl)
-    x = crawl.map.seen[leg].x
+    x = crawl.map.measured[leg].x
     if feel_riser(crawl, x):
         swing.risers += 1
-        tell(crawl, EVENT_RISER, crawl.map.seen[leg].z - swing.ground)
+        note_event(crawl, EVENT_RISER, crawl.map.measured[leg].z - swing.ground)
         swing.place.x = x - (crawl.params.crawl.riser_retreat << LF_BITS)
         swing.apex = swing.place.z + (crawl.params.crawl.clear_contact << LF_BITS)
         enter(crawl, LIFT)
@@ -232,18 +232,18 @@ def hang_tick(crawl: Crawl, leg: int) -> None:
 
 @hot
 def lower_tick(crawl: Crawl, leg: int) -> None:
-    """Take one tick down, and deal with what is met: shin, ground, nothing."""
+    """Take one tick down, and deal with what is met: calf, ground, nothing."""
     params = crawl.params
     swing = crawl.swing
     lower_foot(crawl)
     touches = feel_ground(crawl.params, crawl.contact, crawl.support.force_q12[leg])
     lift = corner_lift(crawl, leg)
-    z = crawl.map.seen[leg].z
+    z = crawl.map.measured[leg].z
     below = swing.ground - swing.place.z >> LF_BITS
     if stands_straight(params, lift, z - swing.ground):
         land(crawl, leg)
-    elif swing.tries < _TRIES and lift > params.crawl.shin_lift:
-        free_shin(crawl, leg)
+    elif swing.tries < _TRIES and lift > params.crawl.calf_lift:
+        free_calf(crawl, leg)
     elif touches and z < swing.ground + (params.crawl.highest_contact << LF_BITS):
         touch(crawl, leg, z)
     elif below > params.crawl.drop_depth and crawl.contact.load_ticks == 0 and swing.tries < _TRIES and (
@@ -251,7 +251,7 @@ def lower_tick(crawl: Crawl, leg: int) -> None:
     ):
         find_ground(crawl, leg)
     elif below > params.crawl.deepest:
-        tell(crawl, EVENT_NO_GROUND, -below << LF_BITS)
+        note_event(crawl, EVENT_NO_GROUND, -below << LF_BITS)
         land(crawl, leg)
 
 
@@ -265,19 +265,19 @@ def lift_again(crawl: Crawl, x_lf: int, apex_lf: int) -> None:
 
 
 @hot
-def free_shin(crawl: Crawl, leg: int) -> None:
-    """Lift the leg off the edge its shin stands on, go on a little with the hip over the new place."""
+def free_calf(crawl: Crawl, leg: int) -> None:
+    """Lift the leg off the edge its calf stands on, go on a little with the hip over the new place."""
     params = crawl.params
     swing = crawl.swing
-    z = crawl.map.seen[leg].z
-    tell(crawl, EVENT_SHIN, z - swing.ground)
-    apex = z + (params.crawl.shin_clear << LF_BITS)
+    z = crawl.map.measured[leg].z
+    note_event(crawl, EVENT_CALF, z - swing.ground)
+    apex = z + (params.crawl.calf_clear << LF_BITS)
     least = swing.ground + (params.crawl.clear_ground << LF_BITS)
     if apex < least:
         apex = least
     x = swing.place.x + (params.crawl.edge_advance << LF_BITS)
     lift_again(crawl, x, apex)
-    shift_to(crawl, leg, over_foot(crawl, leg, x), leg)
+    shift_to(crawl, leg, hip_over(crawl, leg, x), leg)
 
 
 @hot
@@ -293,7 +293,7 @@ def touch(crawl: Crawl, leg: int, z: int) -> None:
     if rise <= edge or swing.tries >= tries:
         land(crawl, leg)
         return
-    tell(crawl, EVENT_STEP, rise)
+    note_event(crawl, EVENT_STEP, rise)
     further = params.crawl.edge_advance
     if swing.known == 0:
         swing.ground = z
@@ -322,10 +322,10 @@ def drop_front(crawl: Crawl, leg: int) -> None:
     behind = swing.place.x - (params.crawl.edge_advance * 6 // 5 << LF_BITS)
     if other.z < low and other.x < behind:
         return
-    tell(crawl, EVENT_DROP, swing.place.z - swing.ground)
+    note_event(crawl, EVENT_DROP, swing.place.z - swing.ground)
     x = swing.place.x + (params.crawl.drop_advance << LF_BITS)
     lift_again(crawl, x, swing.ground + (params.crawl.clear_ground << LF_BITS))
-    shift_to(crawl, leg, over_foot(crawl, leg, x), leg)
+    shift_to(crawl, leg, hip_over(crawl, leg, x), leg)
 
 
 @hot
@@ -336,30 +336,30 @@ def drop_hind(crawl: Crawl, leg: int) -> None:
     further = -params.crawl.edge_advance
     if swing.target.z > crawl.map.feet[leg].z + (params.crawl.edge_height << LF_BITS):
         further = params.crawl.edge_advance
-    tell(crawl, EVENT_DROP, swing.place.z - swing.ground)
+    note_event(crawl, EVENT_DROP, swing.place.z - swing.ground)
     apex = swing.ground + (params.crawl.clear_contact << LF_BITS)
     lift_again(crawl, swing.place.x + (further << LF_BITS), apex)
 
 
 @hot
 def land(crawl: Crawl, leg: int) -> None:
-    """The foot stands where it is seen: keep that, go to the next leg, rest for the command."""
+    """The foot stands where it is measured: keep that, go to the next leg, rest for the command."""
     stage = crawl.stage
     foot = crawl.map.feet[leg]
-    seen = crawl.map.seen[leg]
+    measured = crawl.map.measured[leg]
     for axis in range(3):
-        foot[axis] = seen[axis]
+        foot[axis] = measured[axis]
     crawl.support.stance[leg] = 1
     crawl.support.share_q12[leg] = 0
-    tell(crawl, EVENT_LANDED, foot.z - crawl.swing.ground)
+    note_event(crawl, EVENT_LANDED, foot.z - crawl.swing.ground)
     if leg < RR:
         foothold_add(crawl.map, crawl.footholds, leg)
         crawl.footholds.sides[leg].occupied = 1
         if foot.z < crawl.swing.target.z - (crawl.params.crawl.edge_height << LF_BITS):
             draw_back(crawl, leg)
     note_landing(crawl, leg)
-    bridge(crawl, leg, 0)
-    stage.turn = stage.turn + 1 & 3
-    stage.leg = _ORDER >> (stage.turn << 2) & 15
+    absorb_jump(crawl, leg, 0)
+    stage.order = stage.order + 1 & 3
+    stage.leg = _ORDER >> (stage.order << 2) & 15
     stage.ahead -= stride_lf(crawl) >> 2
     enter(crawl, REST)

@@ -9,7 +9,7 @@ from ..body.params import LF_BITS, Params
 from ..num.filters import fraction, quintic_q15
 from ..num.fixed import hypot, isqrt, saturate
 from ..runtime import const, hot
-from .even import strides_out
+from .ground import long_strides
 from .state import Crawl, Swing
 
 _PRODUCT_MAX = const(0x3FFFFFFF)
@@ -57,7 +57,7 @@ def start_swing(crawl: Crawl) -> None:
     swing.departure.y = swing.place.y
     way = hypot(swing.target.x - swing.place.x >> LF_BITS, swing.target.y - swing.place.y >> LF_BITS)
     speed = params.crawl.swing_speed
-    if strides_out(crawl.even):
+    if long_strides(crawl.ground):
         speed = params.crawl.quick_swing_speed
     ticks = (way << LF_BITS) // speed
     if ticks < params.crawl.swing_ticks:
@@ -82,7 +82,7 @@ def swing_foot(crawl: Crawl) -> int:
 @hot
 def lower_acceleration(crawl: Crawl) -> int:
     """Return how fast the speed of the foot may change on its way down, lf / tick^2."""
-    if strides_out(crawl.even):
+    if long_strides(crawl.ground):
         return crawl.params.crawl.quick_lower_acceleration
     return crawl.params.crawl.lower_acceleration
 

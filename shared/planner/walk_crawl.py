@@ -1,7 +1,7 @@
 """The crawl mover: one leg at a time over what is in the way (shared/crawl), from the measured joints and the tilt."""
 
 from ..crawl.crawl import crawl_start, crawl_tick
-from ..crawl.even import ground_even
+from ..crawl.ground import even_for_trot
 from ..crawl.state import REST, STILL
 from ..gait.table import MOVER_CRAWL, MOVER_TABLE, MOVER_TROT
 from ..num.fixed import saturate
@@ -83,7 +83,7 @@ def end_reason(planner: PlannerState, command: Command) -> int:
     if gait.mover == MOVER_TROT and planner.status.gait != wanted:
         return REASON_COMMAND
     use_gait(planner, wanted)
-    if gait.mover != MOVER_CRAWL and ground_even(planner.crawl.even):
+    if gait.mover != MOVER_CRAWL and even_for_trot(planner.crawl.ground):
         return REASON_EVEN
     return REASON_NONE
 

@@ -1,7 +1,7 @@
 """What the legs feel: where the feet are, where their contacts have rolled, how much each carries.
 
 Forward kinematics of the measured joints (paper A eqs 1-6) give the feet in the body; roll and pitch turn them into
-level axes. A foot is round, so its contact rolls on by its radius times the shank's turn. The joints sag in proportion
+level axes. A foot is round, so its contact rolls on by its radius times the calf's turn. The joints sag in proportion
 to their load, so (goal - measured) times stiffness is the torque, and two torques give the foot's force along the leg:
 
     F = (ak t3 - ac t2') / (-L2 L3 sin q3),  ak = L2 cos q2, ac = L3 cos(q2 + q3), t2' = t2 - t3
@@ -24,7 +24,7 @@ class MeasuredFeet:
     def __init__(self) -> None:
         self.now = Feet()  # lu
         self.before = Feet()  # lu, a tick ago
-        self.waves = zeros(2 * JOINTS)  # Q15: sines of hip, thigh and shank of each leg, then their cosines
+        self.waves = zeros(2 * JOINTS)  # Q15: sines of hip, thigh and thigh + calf of each leg, then their cosines
 
 
 @record
@@ -44,7 +44,7 @@ class Sensing:
     roll_cosine_q13: int = field("Q13", "cosine of roll")
     pitch_sine_q13: int = field("Q13", "sine of pitch")
     pitch_cosine_q13: int = field("Q13", "cosine of pitch")
-    rolling_q12: int = field("lu / brad Q12", "how far a foot rolls per turn of its shank")
+    rolling_q12: int = field("lu / brad Q12", "how far a foot rolls per turn of its calf")
     answered: int = field("", "place in the ring of the goals that the joints now answer; -1: none yet")
 
 
@@ -138,9 +138,9 @@ def level_feet(joints: Ints, feet: Feet, sensing: Sensing) -> None:
         level.x = ahead
         level.y = aside
         level.z = foot.y * roll_sine + z * roll_cosine + 0x1000 >> 13
-        shank = (joints[at + THIGH] + joints[at + CALF] + sensing.pitch + 0x8000 & 0xFFFF) - 0x8000
+        calf_pitch = (joints[at + THIGH] + joints[at + CALF] + sensing.pitch + 0x8000 & 0xFFFF) - 0x8000
         hip = (joints[at] + sensing.roll + 0x8000 & 0xFFFF) - 0x8000
-        rolled.x = ahead - (sensing.rolling_q12 * shank >> 12)
+        rolled.x = ahead - (sensing.rolling_q12 * calf_pitch >> 12)
         rolled.y = aside + (sensing.rolling_q12 * hip >> 12)
         at += 3
 

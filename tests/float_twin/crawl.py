@@ -34,9 +34,9 @@ def turn(point, yaw):
     return [point[0] * c - point[1] * s, point[0] * s + point[1] * c, point[2]]
 
 
-def rolled(radius, shank_before, shank, yaw):
-    """Return how far (x, y) the contact of a round foot rolls on while its shank turns."""
-    way = radius * (shank - shank_before)
+def rolled(radius, pitch_before, pitch, yaw):
+    """Return how far (x, y) the contact of a round foot rolls on while its calf turns."""
+    way = radius * (pitch - pitch_before)
     return way * math.cos(yaw), way * math.sin(yaw)
 
 
@@ -67,7 +67,7 @@ def slope_pitch(feet, least_m):
     return -limit(0.8 * slope, -0.3, 0.3)
 
 
-def mass_ahead(com, pitch):
+def com_ahead(com, pitch):
     """Return how far the centre of mass (x, z in the body) is ahead of the body's place when it pitches."""
     return com[0] * math.cos(pitch) + com[1] * math.sin(pitch)
 
@@ -94,9 +94,9 @@ def body_height(feet, hips, sides, place, pitch, wanted_m, reach_m, in_air=None)
     return low
 
 
-def move_seconds(way, rise, nod, arm, acceleration, speed, least):
+def move_seconds(way, rise, pitch, arm, acceleration, speed, least):
     """Return how long a body's move takes: sqrt(6 d / a) on the level, its speed in height and at the hips."""
-    return max(math.sqrt(6 * way / acceleration), abs(rise) / speed, abs(nod) * arm / speed, least)
+    return max(math.sqrt(6 * way / acceleration), abs(rise) / speed, abs(pitch) * arm / speed, least)
 
 
 def quintic(u):

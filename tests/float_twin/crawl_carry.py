@@ -31,23 +31,23 @@ def start(level_feet, felt, pitch, roll):
 
 def planned_loads(feet, shares, pose, com, weight):
     """Return (loads, margin) under a pose: the feet that stand share the weight by their shares, about the mass."""
-    ahead = crawl.mass_ahead(com, pose[4])
+    ahead = crawl.com_ahead(com, pose[4])
     seen = [[foot[axis] - pose[axis] for axis in range(2)] for foot in feet]
     parts = load.shares(seen, shares, (ahead, 0.0))
     corners = [seen[leg] for leg in (0, 1, 3, 2) if shares[leg]]
     return [weight * part for part in parts], load.margin(corners, (ahead, 0.0))
 
 
-def goals(feet, stands, swing_at, wanted, low, commanded, warp, legs):
-    """Return the legs' angles: those that stand under the commanded pose, warped; the one in the air under the wanted.
+def goals(feet, stands, swing_at, wanted, low, commanded, diagonal_offset, legs):
+    """Return the legs' angles: those that stand under the commanded pose, the one in the air under the wanted.
 
-    ``low``: what the measured pose was off the wanted one of late. ``warp``: FR and RL up, FL and RR down.
+    ``low``: what the measured pose was off the wanted one of late. ``diagonal_offset``: FR and RL up, FL and RR down.
     """
     angles = []
     for leg, shape in enumerate(legs):
         foot, pose = list(feet[leg]), commanded
         if stands[leg]:
-            foot[2] += warp if leg in (0, 3) else -warp
+            foot[2] += diagonal_offset if leg in (0, 3) else -diagonal_offset
         else:
             foot, pose = swing_at, [a + b for a, b in zip(wanted, low)]
         angles.append(crawl.leg_joints(foot, pose, shape))

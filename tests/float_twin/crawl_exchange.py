@@ -2,14 +2,14 @@
 
 Speeds are per tick. A command comes as an object with walk (bool), gait and speed (vx, vy, wz); what is known of the
 robot with joints_ok, attitude_ok, fallen, standing, walked (the gait), held (the trot is held up for good), moved (m,
-forwards in the last tick), known (ticks measured in a row); of the crawl with resting and even (landings in a row on
+forwards in the last tick), known (ticks measured in a row); of the crawl with resting and even_landings (in a row on
 even ground).
 """
 
 OFF, READY, ON, BACK = range(4)
 NO_REASON, HELD, COMMAND, EVEN = range(4)
 TROT, CRAWL = FEELING = 1, 2
-LANDINGS_EVEN = 16
+TROT_LANDINGS = 16
 
 
 class Retreat:
@@ -104,7 +104,7 @@ class Exchange:
         if gait == TROT and self.walked != TROT:
             return COMMAND
         self.walked = gait
-        return EVEN if gait == TROT and crawl.even >= LANDINGS_EVEN else NO_REASON
+        return EVEN if gait == TROT and crawl.even_landings >= TROT_LANDINGS else NO_REASON
 
     def begin_crawl(self, known):
         """Begin the crawl proper once the loads are known: a measurement later than the last goal's effect."""

@@ -1,7 +1,7 @@
 """The crawl's machine in floats: which stage follows which, when, and where body and foot are to go.
 
 Lengths in m, angles in rad, times in ticks and speeds per tick, forces as parts of the own weight. Legs FR, FL, RR,
-RL. What is felt comes as an object: seen (4 places of the map), force and load (4), body (the measured pose),
+RL. What is felt comes as an object: measured (4 places of the map), force and load (4), body (the measured pose),
 length (thigh joint to the foot in the air), clipped, heavy (0 .. 1), way (commanded in this tick).
 """
 
@@ -11,8 +11,8 @@ from . import crawl, crawl_swing
 from .crawl_plan import BodyMove
 from .fixed import limit
 
-SHIFT, LIFT, MOVE, TARE, DOWN, REST = range(6)
-LANDED, HIGH, VOID, SHIN, HIT, NOTHING, WARP = range(1, 8)
+SHIFT, LIFT, SWING, HANG, LOWER, REST = range(6)
+LANDED, STEP, DROP, CALF, RISER, NO_GROUND, DIAGONALS = range(1, 8)
 FR, FL, RR, RL = range(4)
 ORDER = (RL, FL, RR, FR)
 
@@ -22,9 +22,9 @@ PLACE_ROUNDING = 0.05e-3
 TILT_ROUNDING = 0.3e-3  # m at the corners: 0.2 % of a way of 0.3 rad
 EVEN_ROUNDING = 0.15e-3
 QUINTIC_ROUNDING = 0.0026  # of the way
-TRIES, HITS = 3, 2
-SURE_LANDINGS = 3
-STRIDES_OUT = 8  # landings on even ground
+TRIES, RISERS = 3, 2
+SLOPE_LANDINGS = 3
+LONG_STRIDE_LANDINGS = 8  # landings on even ground
 
 
 def tare_rounding(k):
@@ -37,10 +37,10 @@ class Swing:
 
     def __init__(self, leg, place, past):
         self.leg, self.place, self.source = leg, list(place), list(place[:2])
-        self.target, self.expect, self.apex = None, None, None
+        self.target, self.ground, self.apex = None, None, None
         self.speed, self.ticks_across = 0.0, 0
-        self.tries, self.hits, self.dropped, self.known = 0, 0, False, False
-        self.tare, self.touched, self.peak = 0.0, 0, False
+        self.tries, self.risers, self.dropped, self.known = 0, 0, False, False
+        self.tare, self.load_ticks, self.peak = 0.0, 0, False
         self.past = [place[0]] * past
 
 
@@ -51,11 +51,11 @@ class Machine:
         self.k, self.doubt = k, doubt
         self.feet = [list(foot) for foot in feet]
         self.stands, self.share = [True] * 4, [1.0] * 4
-        self.prints = [self.first_prints(side) for side in range(2)]
-        self.on_print = [True, False]
+        self.footholds = [self.first_footholds(side) for side in range(2)]
+        self.occupied = [True, False]
         self.guessed = [2, 3]
-        self.turn, self.pace, self.warp = 0, 0.0, 0.0
-        self.steps_even, self.landed, self.events = 0, 0, []
+        self.order, self.ahead, self.diagonal_offset = 0, 0.0, 0.0
+        self.even_landings, self.landings, self.events = 0, 0, []
         self.swing = None
         self.body = BodyMove(k, pose)
         self.plan_shift(heavy)
@@ -63,26 +63,26 @@ class Machine:
     @property
     def leg(self):
         """Return the leg it is about."""
-        return ORDER[self.turn % 4]
+        return ORDER[self.order % 4]
 
     @property
-    def strides_out(self):
+    def long_strides(self):
         """Return whether the ground has been even for long enough to go on in long and quick steps."""
-        return self.steps_even >= STRIDES_OUT
+        return self.even_landings >= LONG_STRIDE_LANDINGS
 
     @property
     def stride(self):
         """Return the stride; one leg brings the body on by a quarter of it."""
-        return self.k.long_stride if self.strides_out else self.k.stride
+        return self.k.long_stride if self.long_strides else self.k.stride
 
     def quick(self, name):
         """Return a speed or acceleration of the settings, on even ground its quick one."""
-        return getattr(self.k, f"quick_{name}" if self.strides_out else name)
+        return getattr(self.k, f"quick_{name}" if self.long_strides else name)
 
-    def first_prints(self, side):
-        """Return the prints that lie behind a robot that came this way."""
+    def first_footholds(self, side):
+        """Return the footholds that lie behind a robot that came this way."""
         hind, front = self.feet[2 + side], self.feet[side]
-        places = crawl_swing.first_prints((hind[0], hind[2]), (front[0], front[2]), side)
+        places = crawl_swing.first_footholds((hind[0], hind[2]), (front[0], front[2]), side)
         return [[x, self.k.line[side], z] for x, z in places]
 
     def enter(self, stage):
@@ -91,19 +91,19 @@ class Machine:
         if self.swing:
             self.swing.speed = 0.0
 
-    def tell(self, event, z):
+    def note_event(self, event, z):
         """Note what has happened; anything but a landing ends even ground."""
         self.events.append((event, self.leg, z))
         if event != LANDED:
-            self.steps_even = 0
+            self.even_landings = 0
 
     def tick(self, felt):
-        """Take one tick: pace and body go on whatever the stage is."""
+        """Take one tick: command and body go on whatever the stage is."""
         self.events = []
         self.body.planned = False
         self.ticks += 1
         step = self.stride / 4
-        self.pace = limit(self.pace + limit(felt.way, 0.0, step), -step, step)
+        self.ahead = limit(self.ahead + limit(felt.way, 0.0, step), -step, step)
         self.body.step()
         if self.stage == REST:
             self.rest(felt)
@@ -118,15 +118,15 @@ class Machine:
 
         Sideways it stays as long as it can: its x axis is the line that is walked along.
         """
-        half = self.k.rebase
+        half = self.k.half_leg
         if abs(body[0]) <= half and abs(body[1]) <= 1.5 * half and abs(body[2]) <= half:
             return None
         way = [body[0], body[1] if abs(body[1]) > 1.5 * half else 0.0, body[2]]
-        places = self.feet + self.prints[0] + self.prints[1] + [self.body.wanted, self.body.start, self.body.goal]
+        places = self.feet + self.footholds[0] + self.footholds[1] + [self.body.wanted, self.body.start, self.body.goal]
         if self.swing:
             s = self.swing
             places += [s.place, s.target, s.source]
-            s.expect, s.apex, s.past = s.expect - way[2], s.apex - way[2], [x - way[0] for x in s.past]
+            s.ground, s.apex, s.past = s.ground - way[2], s.apex - way[2], [x - way[0] for x in s.past]
         for place in places:
             place[: len(place[:3])] = [a - b for a, b in zip(place[:3], way)]
         return way
@@ -135,36 +135,36 @@ class Machine:
 
     def rest(self, felt):
         """Go on once the command asks for another step."""
-        if felt.way > 0 and self.pace >= 0:
+        if felt.way > 0 and self.ahead >= 0:
             self.plan_shift(felt.heavy)
 
     def plan_shift(self, heavy):
         """Move off the leg to come; before a step down its hip goes over the landing place if that is farther."""
-        if self.leg >= RR and not self.strides_out:
+        if self.leg >= RR and not self.long_strides:
             self.lay_between(self.leg)
         wanted = crawl.middle(self.feet)[0] + self.k.payload_forward * heavy
         if self.steps_down():
-            wanted = max(wanted, self.over_foot(self.prints[self.leg - RR][0][0]))
+            wanted = max(wanted, self.hip_over(self.footholds[self.leg - RR][0][0]))
         self.enter(SHIFT)
         self.body.plan(self.feet, self.leg, wanted, heavy, None, self.quick("acceleration"))
 
     def lay_between(self, leg):
-        """After long strides a hind leg has one print, where the front foot stands: put two before it."""
-        own, prints = self.feet[leg], self.prints[leg - RR]
-        if len(prints) == 1:
-            last = prints[0]
+        """After long strides a hind leg has one foothold, where the front foot stands: put two before it."""
+        own, footholds = self.feet[leg], self.footholds[leg - RR]
+        if len(footholds) == 1:
+            last = footholds[0]
             step = min((last[0] - own[0]) / 3, self.k.stride)
             between = [[own[0] + step * count, last[1], own[2]] for count in (1, 2)]
-            self.prints[leg - RR], self.guessed[leg - RR] = [*between, last], 2
+            self.footholds[leg - RR], self.guessed[leg - RR] = [*between, last], 2
 
     def steps_down(self):
-        """Return whether a hind leg's next print lies an edge below it."""
-        if self.leg < RR or not self.prints[self.leg - RR]:
+        """Return whether a hind leg's next foothold lies an edge below it."""
+        if self.leg < RR or not self.footholds[self.leg - RR]:
             return False
-        drop = self.feet[self.leg][2] - self.prints[self.leg - RR][0][2]
+        drop = self.feet[self.leg][2] - self.footholds[self.leg - RR][0][2]
         return self.doubt.above(drop, self.k.edge_height, PLACE_ROUNDING)
 
-    def over_foot(self, x):
+    def hip_over(self, x):
         """Return where the centre of mass is when the leg's hip is above ``x``."""
         return x - self.k.hips[self.leg][0] + self.k.com_x
 
@@ -179,14 +179,14 @@ class Machine:
         error = self.match_diagonals(felt)
         if self.share[leg] > 0 or self.ticks <= move.ticks + k.settle_ticks:
             return
-        if self.ticks > move.ticks + k.warp_ticks:
-            self.tell(WARP, self.warp)
-            self.leave_ground(felt)
+        if self.ticks > move.ticks + k.diagonal_ticks:
+            self.note_event(DIAGONALS, self.diagonal_offset)
+            self.lift_off(felt)
         elif not self.doubt.above(abs(error), 4 * NEWTON, FORCE_ROUNDING):
-            self.leave_ground(felt)
+            self.lift_off(felt)
 
     def match_diagonals(self, felt):
-        """Warp the feet against too much load on FR and RL; return that. Nothing shows when the leg is free."""
+        """Offset the diagonals against too much load on FR and RL; return that. Nothing shows when the leg is free."""
         leg = self.leg
         if self.k.planar:
             return 0.0
@@ -194,19 +194,19 @@ class Machine:
             return 0.0
         over = [force - load for force, load in zip(felt.force, felt.load)]
         error = limit(over[FR] + over[RL] - over[FL] - over[RR], -4.0, 4.0)
-        step = limit(error * self.k.warp_gain, -self.k.warp_speed, self.k.warp_speed)
-        self.warp = limit(self.warp + step, -self.k.warp_max, self.k.warp_max)
+        step = limit(error * self.k.diagonal_gain, -self.k.diagonal_speed, self.k.diagonal_speed)
+        self.diagonal_offset = limit(self.diagonal_offset + step, -self.k.diagonal_max, self.k.diagonal_max)
         return error
 
-    def leave_ground(self, felt):
+    def lift_off(self, felt):
         """Let the leg go, towards its foothold."""
         leg = self.leg
         self.swing = Swing(leg, self.feet[leg], self.k.goal_lag_ticks + 1)
         if leg < RR:
             self.aim_front(self.swing)
-            self.on_print[leg] = False
-        elif self.strides_out:
-            self.aim_beside(self.swing)
+            self.occupied[leg] = False
+        elif self.long_strides:
+            self.aim_hind_even(self.swing)
         else:
             self.aim_hind(self.swing)
         self.stands[leg], self.share[leg] = False, 0.0
@@ -217,42 +217,42 @@ class Machine:
         own, other = self.feet[swing.leg], self.feet[1 - swing.leg]
         x = crawl_swing.front_target(own[0], other[0], self.stride)
         swing.target = [x, self.k.line[swing.leg], own[2]]
-        swing.expect = own[2] + self.expected_rise(x - own[0])
+        swing.ground = own[2] + self.expected_rise(x - own[0])
         before = not self.doubt.above(other[0], x + self.k.riser_lag * 5 / 3, PLACE_ROUNDING)
         swing.apex = (max(own[2], other[2]) if before else own[2]) + self.k.front_lift
 
     def expected_rise(self, way):
         """Return how much the slope of the feet rises over a way; less than 4 mm, or not sure yet, counts as level."""
-        if self.steps_even < SURE_LANDINGS:
+        if self.even_landings < SLOPE_LANDINGS:
             return 0.0
         front, hind = crawl.middle(self.feet[:2]), crawl.middle(self.feet[2:])
         rise = way * (front[2] - hind[2]) / (front[0] - hind[0])
         return rise if self.doubt.above(abs(rise), self.k.drop_depth / 6, PLACE_ROUNDING) else 0.0
 
     def aim_hind(self, swing):
-        """Into the oldest print of its side, or a stride ahead if there is none."""
-        own, prints = self.feet[swing.leg], self.prints[swing.leg - RR]
-        swing.known = bool(prints) and not self.guessed[swing.leg - RR]
+        """Into the oldest foothold of its side, or a stride ahead if there is none."""
+        own, footholds = self.feet[swing.leg], self.footholds[swing.leg - RR]
+        swing.known = bool(footholds) and not self.guessed[swing.leg - RR]
         ahead = [own[0] + self.k.stride, self.k.line[swing.leg - RR], own[2]]
-        swing.target = self.take_print(swing.leg - RR) if prints else ahead
-        swing.expect = swing.target[2]
+        swing.target = self.take_foothold(swing.leg - RR) if footholds else ahead
+        swing.ground = swing.target[2]
         swing.apex = max(own[2], swing.target[2]) + self.k.hind_lift
 
-    def aim_beside(self, swing):
-        """Keep the hip distance to where the front foot of the side goes next; its prints do not count."""
+    def aim_hind_even(self, swing):
+        """Keep the hip distance to where the front foot of the side goes next; its footholds do not count."""
         side, own = swing.leg - RR, self.feet[swing.leg]
         to_front = self.feet[side][0] + self.stride - 2 * self.k.half_length
         x = own[0] + limit(to_front - own[0], self.stride / 2, 1.4 * self.stride)
         swing.known = True
         swing.target = [x, self.k.line[side], own[2]]
-        swing.expect = own[2] + self.expected_rise(x - own[0])
-        swing.apex = max(own[2], swing.expect) + self.k.hind_lift
-        self.prints[side] = []
+        swing.ground = own[2] + self.expected_rise(x - own[0])
+        swing.apex = max(own[2], swing.ground) + self.k.hind_lift
+        self.footholds[side] = []
 
-    def take_print(self, side):
-        """Take a side's oldest print off its queue, the guessed ones first; return it."""
+    def take_foothold(self, side):
+        """Take a side's oldest foothold off its queue, the guessed ones first; return it."""
         self.guessed[side] = max(0, self.guessed[side] - 1)
-        return self.prints[side].pop(0)
+        return self.footholds[side].pop(0)
 
     # --- a foot in the air
 
@@ -274,7 +274,7 @@ class Machine:
         s.source = s.place[:2]
         way = math.sqrt((s.target[0] - s.place[0]) ** 2 + (s.target[1] - s.place[1]) ** 2)
         s.ticks_across = max(self.k.swing_ticks, self.doubt.whole(way / self.quick("swing_speed"), 0.02))
-        self.enter(MOVE)
+        self.enter(SWING)
 
     def move(self, felt):
         """Go across; into a riser go back and higher; there, once the body is there too, hang."""
@@ -282,20 +282,20 @@ class Machine:
         share = crawl.quintic(min(1.0, self.ticks / s.ticks_across))
         s.place[:2] = [a + share * (b - a) for a, b in zip(s.source, s.target)]
         if self.runs_into(felt):
-            seen = felt.seen[s.leg]
-            s.hits += 1
-            self.tell(HIT, seen[2] - s.expect)
-            s.place[0], s.apex = seen[0] - k.riser_retreat, s.place[2] + k.clear_contact
+            measured = felt.measured[s.leg]
+            s.risers += 1
+            self.note_event(RISER, measured[2] - s.ground)
+            s.place[0], s.apex = measured[0] - k.riser_retreat, s.place[2] + k.clear_contact
             self.enter(LIFT)
         elif self.ticks >= s.ticks_across and self.body.tick >= self.body.ticks:
-            self.enter(TARE)
+            self.enter(HANG)
 
     def runs_into(self, felt):
         """Return whether the foot is held up; a leg at its limits is not, and twice in a swing is enough."""
         s, k = self.swing, self.k
-        if self.ticks <= k.riser_skip_ticks or s.hits == HITS or felt.clipped:
+        if self.ticks <= k.riser_skip_ticks or s.risers == RISERS or felt.clipped:
             return False
-        behind = s.past[-1 - k.goal_lag_ticks] - felt.seen[s.leg][0]
+        behind = s.past[-1 - k.goal_lag_ticks] - felt.measured[s.leg][0]
         way = s.target[0] - s.source[0]
         late = abs(way) / (s.ticks_across + 1) * k.swing_lag_ticks
         return self.doubt.above(behind, k.riser_lag + late, PLACE_ROUNDING + QUINTIC_ROUNDING * abs(way))
@@ -307,8 +307,8 @@ class Machine:
         gain = 1.0 if self.ticks <= k.hang_skip_ticks + 1 else k.tare_in_q15
         self.follow_tare(felt, gain)
         if self.ticks >= k.hang_ticks:
-            self.enter(DOWN)
-            s.speed, s.touched, s.peak = k.hang_speed, 0, False
+            self.enter(LOWER)
+            s.speed, s.load_ticks, s.peak = k.hang_speed, 0, False
 
     def follow_tare(self, felt, gain):
         """Learn what the joints read; more than the least of a contact is load."""
@@ -316,23 +316,23 @@ class Machine:
         s.tare = limit(s.tare + gain * (felt.force[s.leg] - s.tare), -self.k.touch, self.k.touch)
 
     def lower(self, felt):
-        """Go down until something is met: ground, felt or pushed off, the shin's edge, a drop, or nothing at all."""
+        """Go down until something is met: ground, felt or pushed off, an edge under the calf, a drop, or nothing."""
         s, k = self.swing, self.k
         self.go_down(felt)
         touches = self.feels_ground(felt)
-        z, below = felt.seen[s.leg][2], s.expect - s.place[2]
+        z, below = felt.measured[s.leg][2], s.ground - s.place[2]
         again, pushed = s.tries < TRIES, self.pushed_up(felt)
-        near = self.doubt.above(k.drop_depth / 3, abs(z - s.expect), PLACE_ROUNDING)
+        near = self.doubt.above(k.drop_depth / 3, abs(z - s.ground), PLACE_ROUNDING)
         if near and self.doubt.above(pushed, k.stand_lift, TILT_ROUNDING):
             self.land(felt)
-        elif again and self.doubt.above(pushed, k.shin_lift, TILT_ROUNDING):
-            self.free_shin(felt, z)
-        elif touches and self.doubt.above(s.expect + k.highest_contact, z, PLACE_ROUNDING):
+        elif again and self.doubt.above(pushed, k.calf_lift, TILT_ROUNDING):
+            self.free_calf(felt, z)
+        elif touches and self.doubt.above(s.ground + k.highest_contact, z, PLACE_ROUNDING):
             self.touch(felt, z)
-        elif again and not (s.touched or s.dropped) and self.doubt.above(below, k.drop_depth, PLACE_ROUNDING):
+        elif again and not (s.load_ticks or s.dropped) and self.doubt.above(below, k.drop_depth, PLACE_ROUNDING):
             self.drop(felt)
         elif self.doubt.above(below, k.deepest, PLACE_ROUNDING):
-            self.tell(NOTHING, -below)
+            self.note_event(NO_GROUND, -below)
             self.land(felt)
 
     def go_down(self, felt):
@@ -340,7 +340,7 @@ class Machine:
         s, k = self.swing, self.k
         most = k.unknown_lower_speed
         if s.known:
-            above = s.place[2] - s.expect - k.near_foothold
+            above = s.place[2] - s.ground - k.near_foothold
             most = crawl_swing.fall_speed(above, k.near_speed, k.known_lower_speed, self.quick("lower_acceleration"))
         s.speed = min(s.speed + self.quick("lower_acceleration"), most)
         lag = felt.body[2] - self.body.wanted[2]
@@ -355,12 +355,12 @@ class Machine:
         load = felt.force[s.leg] - s.tare
         within = FORCE_ROUNDING + tare_rounding(k)
         if not self.doubt.above(load, k.touch, within):
-            s.touched, s.peak = 0, False
+            s.load_ticks, s.peak = 0, False
             self.follow_tare(felt, k.tare_down_q15)
             return False
-        s.touched += 1
+        s.load_ticks += 1
         s.peak = s.peak or self.doubt.above(load, k.peak, within)
-        return s.peak and s.touched >= k.contact_ticks
+        return s.peak and s.load_ticks >= k.contact_ticks
 
     def pushed_up(self, felt):
         """Return how far the corner over the leg is above its plan."""
@@ -379,30 +379,30 @@ class Machine:
     def again_with_hip(self, felt, x, apex):
         """Try once more at ``x`` and bring the hip over it, so that the leg comes down steeply."""
         self.again(x, apex)
-        self.body.plan(self.feet, self.leg, self.over_foot(x), felt.heavy, self.leg, self.quick("acceleration"))
+        self.body.plan(self.feet, self.leg, self.hip_over(x), felt.heavy, self.leg, self.quick("acceleration"))
 
-    def free_shin(self, felt, z):
+    def free_calf(self, felt, z):
         """Off the edge and on a little."""
         s, k = self.swing, self.k
-        self.tell(SHIN, z - s.expect)
-        self.again_with_hip(felt, s.place[0] + k.edge_advance, max(z + k.shin_clear, s.expect + k.clear_ground))
+        self.note_event(CALF, z - s.ground)
+        self.again_with_hip(felt, s.place[0] + k.edge_advance, max(z + k.calf_clear, s.ground + k.clear_ground))
 
     def touch(self, felt, z):
         """Stand here, or, on an edge where there should be none, look for a better place.
 
         Where nothing is known it has found higher ground and goes on; so does a hind foot on its way down an edge; any
-        other is on the corner of what its print lies on and goes back.
+        other is on the corner of what its foothold lies on and goes back.
         """
         s, k = self.swing, self.k
         tries = TRIES if s.known else 2
-        if s.tries >= tries or not self.doubt.above(z - s.expect, k.edge_height, PLACE_ROUNDING):
+        if s.tries >= tries or not self.doubt.above(z - s.ground, k.edge_height, PLACE_ROUNDING):
             self.land(felt)
             return
-        self.tell(HIGH, z - s.expect)
+        self.note_event(STEP, z - s.ground)
         x = s.place[0] + k.edge_advance
         if not s.known:
-            s.expect = z
-        elif not self.doubt.above(self.feet[s.leg][2] - k.edge_height, s.expect, PLACE_ROUNDING):
+            s.ground = z
+        elif not self.doubt.above(self.feet[s.leg][2] - k.edge_height, s.ground, PLACE_ROUNDING):
             x = s.place[0] - k.edge_retreat
         self.again(x, z + k.clear_contact)
 
@@ -413,36 +413,37 @@ class Machine:
             s.dropped = True
             if self.other_is_down(s):
                 return
-        self.tell(VOID, s.place[2] - s.expect)
+        self.note_event(DROP, s.place[2] - s.ground)
         if s.leg < RR:
-            self.again_with_hip(felt, s.place[0] + k.drop_advance, s.expect + k.clear_ground)
+            self.again_with_hip(felt, s.place[0] + k.drop_advance, s.ground + k.clear_ground)
         else:
             climbs = self.doubt.above(s.target[2] - self.feet[s.leg][2], k.edge_height, PLACE_ROUNDING)
-            self.again(s.place[0] + (k.edge_advance if climbs else -k.edge_advance), s.expect + k.clear_contact)
+            self.again(s.place[0] + (k.edge_advance if climbs else -k.edge_advance), s.ground + k.clear_contact)
 
     def other_is_down(self, s):
         """Return whether the other front foot stands below, and well behind: then the edge is far enough behind."""
         other = self.feet[1 - s.leg]
-        down = self.doubt.above(s.expect - self.k.edge_height * 2 / 3, other[2], PLACE_ROUNDING)
+        down = self.doubt.above(s.ground - self.k.edge_height * 2 / 3, other[2], PLACE_ROUNDING)
         return down and self.doubt.above(s.place[0] - other[0], self.k.edge_advance * 6 / 5, 2 * PLACE_ROUNDING)
 
     def land(self, felt):
-        """Stand where the foot is seen, leave a print for the hind foot, and rest before the next leg."""
+        """Stand where the foot is measured, leave a foothold for the hind foot, and rest before the next leg."""
         s, leg = self.swing, self.leg
-        self.feet[leg] = list(felt.seen[leg])
+        self.feet[leg] = list(felt.measured[leg])
         self.stands[leg], self.share[leg] = True, 0.0
-        self.tell(LANDED, self.feet[leg][2] - s.expect)
+        self.note_event(LANDED, self.feet[leg][2] - s.ground)
         if leg < RR:
-            if len(self.prints[leg]) == 4:
-                self.take_print(leg)
+            if len(self.footholds[leg]) == 4:
+                self.take_foothold(leg)
             down = s.target[2] - self.feet[leg][2]
-            if self.prints[leg] and self.doubt.above(down, self.k.edge_height, PLACE_ROUNDING):
-                self.prints[leg][-1][0] -= self.k.edge_retreat
-            self.prints[leg].append(list(self.feet[leg]))
-            self.on_print[leg] = True
+            if self.footholds[leg] and self.doubt.above(down, self.k.edge_height, PLACE_ROUNDING):
+                self.footholds[leg][-1][0] -= self.k.edge_retreat
+            self.footholds[leg].append(list(self.feet[leg]))
+            self.occupied[leg] = True
         off = crawl.uneven(self.feet, leg, (s.source[0], s.target[2]))
-        self.steps_even = 0 if self.doubt.above(off, self.k.drop_depth / 3, EVEN_ROUNDING) else self.steps_even + 1
-        self.landed += 1
-        self.turn += 1
-        self.pace -= self.stride / 4
+        uneven = self.doubt.above(off, self.k.drop_depth / 3, EVEN_ROUNDING)
+        self.even_landings = 0 if uneven else self.even_landings + 1
+        self.landings += 1
+        self.order += 1
+        self.ahead -= self.stride / 4
         self.enter(REST)

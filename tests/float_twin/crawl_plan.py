@@ -26,8 +26,8 @@ class BodyMove:
         """Begin a move that brings the centre of mass over ``wanted_x`` inside the support without ``leg``."""
         k, self.acceleration = self.k, acceleration
         pitch = crawl.slope_pitch(feet, k.half_length * 2 / 3)
-        x, y = mass_target(feet, leg, wanted_x, k.margin, k.planar)
-        place = x - crawl.mass_ahead((k.com_x, k.com_z), pitch), y
+        x, y = com_target(feet, leg, wanted_x, k.margin, k.planar)
+        place = x - crawl.com_ahead((k.com_x, k.com_z), pitch), y
         ground = crawl.middle(feet)[2]
         tall = k.height + k.payload_height * heavy
         z = ground + crawl.body_height(feet, k.hips, k.sides, place, pitch, tall, k.reach, in_air)
@@ -43,7 +43,7 @@ class BodyMove:
         return crawl.move_seconds(along, way[2], way[4], k.half_length, self.acceleration, k.body_speed, k.body_ticks)
 
 
-def mass_target(feet, leg, wanted_x, margin, planar):
+def com_target(feet, leg, wanted_x, margin, planar):
     """Return where the centre of mass goes before ``leg`` lifts: nearest to (wanted x, mean y), inside by a margin."""
     corners = [feet[other] for other in (0, 1, 3, 2) if other != leg]
     if planar:

@@ -3,8 +3,8 @@
 import math
 
 
-def first_prints(hind, front, side):
-    """Return x, z of the prints a robot has behind it that came half a stride a leg: thirds right, sixths left."""
+def first_footholds(hind, front, side):
+    """Return x, z of the footholds a robot has behind it that came half a stride a leg: thirds right, sixths left."""
     shares = (2 / 6, 4 / 6, 6 / 6) if side == 0 else (1 / 6, 3 / 6, 5 / 6)
     return [(hind[0] + u * (front[0] - hind[0]), hind[1] + u * (front[1] - hind[1])) for u in shares]
 
@@ -31,7 +31,7 @@ def rise(z, top, v_up, a_up, brake, v_top, period, ticks):
 
 
 def fall_speed(above, slow, fastest, brake):
-    """Return the speed at which a hind foot may come down ``above`` its print: v^2 = slow^2 + 2 a h."""
+    """Return the speed at which a hind foot may come down ``above`` its foothold: v^2 = slow^2 + 2 a h."""
     return min(fastest, math.sqrt(slow * slow + 2 * brake * max(0.0, above)))
 
 

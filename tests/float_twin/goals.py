@@ -10,8 +10,8 @@ def follow(wanted, joints, tops, coupled):
         hip, thigh, calf = [wanted[at + i] - joints[at + i] for i in range(3)]
         thigh_made, calf_made = limit(thigh, -tops[1], tops[1]), limit(calf, -tops[2], tops[2])
         if coupled:
-            shank = limit(thigh + calf, -tops[2], tops[2])
-            calf_made = limit(shank - thigh_made, min(0, calf), max(0, calf))
+            calf_pitch = limit(thigh + calf, -tops[2], tops[2])
+            calf_made = limit(calf_pitch - thigh_made, min(0, calf), max(0, calf))
             thigh_made = limit(thigh_made, -tops[2] - calf_made, tops[2] - calf_made)
         made += [joints[at] + limit(hip, -tops[0], tops[0]), joints[at + 1] + thigh_made, joints[at + 2] + calf_made]
     return made

@@ -13,8 +13,8 @@ from types import SimpleNamespace
 from shared.crawl import footholds
 from shared.crawl import state as at
 from shared.crawl import steps as crawl_steps
-from shared.crawl.crawl import move_origin, rebase
-from shared.crawl.state import PAST_SIZE, Crawl
+from shared.crawl.crawl import move_origin, recentre_map
+from shared.crawl.state import HISTORY_TICKS, Crawl
 from shared.record import copy, pack, unpack
 from tests.float_twin import crawl_machine as twin
 from tests.float_twin.doubt import Doubt
@@ -34,10 +34,10 @@ class Trouble:
     slope: float = 0.0
     tare: float = 0.0  # what a hanging leg reads
     noise: float = 0.0
-    skew: float = 0.0  # load on the wrong diagonal before any warp
+    skew: float = 0.0  # load on the wrong diagonal before any offset
     sticks: bool = False  # that load stays on the leg that is to lift
     heavy: float = 0.0
-    shins: float = 0.0  # how many of the swings stand on their shin
+    calves: float = 0.0  # how many of the swings stand on their calf
     straight: float = 0.0  # how many end on a leg too straight to feel the ground, and push the body up from it
     clipped: float = 0.0
     pauses: float = 0.0  # how many of the ticks command nothing
@@ -89,7 +89,7 @@ class Pair:
         """Return four places of the core's state in m."""
         return [self.metres(pack(value)) for value in values]
 
-    def prints(self, side, count):
+    def footholds(self, side, count):
         """Return the first footholds of a side in m."""
         return self.feet(self.crawl.footholds.sides[side].places[:count])
 
@@ -129,7 +129,7 @@ class Pair:
         """Return what is felt, for the twin."""
         c = self.crawl
         return SimpleNamespace(
-            seen=self.feet(c.map.seen),
+            measured=self.feet(c.map.measured),
             force=[value / 4096 for value in c.support.force_q12[:4]],
             load=[value / 4096 for value in c.support.load_q12[:4]],
             body=self.pose(c.map.body_pose),
@@ -140,16 +140,16 @@ class Pair:
         )
 
     def sense_standing(self, leg):
-        """A foot that stands carries its share, and what is wrong with the diagonals; a warp takes that away."""
+        """A foot that stands carries its share, and what is wrong with the diagonals; their offset takes that away."""
         c, trouble = self.crawl, self.trouble
-        warp = c.support.warp * self.fine_m / (0.04 * self.size)
+        offset = c.support.diagonal_offset * self.fine_m / (0.04 * self.size)
         share = c.support.share_q12[leg] / 4096
         sign = 1 if leg in (twin.FR, twin.RL) else -1
         load = 0.3 * share
-        wrong = trouble.skew - warp + trouble.noise * self.dice.uniform(-0.2, 0.2)
+        wrong = trouble.skew - offset + trouble.noise * self.dice.uniform(-0.2, 0.2)
         wrong *= sign * 0.25 * (1.0 if trouble.sticks else share)
         c.support.load_q12[leg], c.support.force_q12[leg] = round(load * 4096), round((load + wrong) * 4096)
-        copy(c.map.feet[leg], c.map.seen[leg])
+        copy(c.map.feet[leg], c.map.measured[leg])
 
     def sense_swing(self, leg):
         """A foot in the air is where it is wanted, except in front of a riser and on the ground."""
@@ -160,7 +160,7 @@ class Pair:
         pressed = max(0.0, ground - z)
         self.push(leg, pressed)
         load = (0.0 if self.straight else pressed) / self.size * 40 + trouble.noise * self.dice.uniform(-0.1, 0.1)
-        self.put(c.map.seen[leg], (seen_x, y, max(z, ground)))
+        self.put(c.map.measured[leg], (seen_x, y, max(z, ground)))
         c.support.load_q12[leg], c.support.force_q12[leg] = 0, round((trouble.tare + min(load, 0.5)) * 4096)
         hip = [self.pose(self.crawl.path.wanted)[axis] + self.legs[leg].hip[axis] for axis in range(3)]
         away = [a - b for a, b in zip((x, y, z), hip, strict=True)]
@@ -178,13 +178,13 @@ class Pair:
         return x
 
     def push(self, leg, pressed):
-        """Push the corner of the body up over a leg that comes down on its shin, or straight on ground, until it lifts.
+        """Push the corner of the body up over a leg that comes down on its calf, or straight on ground, until it lifts.
 
         pressed: how far below the ground it is told to be, m.
         """
         c = self.crawl
         if c.stage.stage == at.LOWER and c.stage.stage_tick == 3:
-            self.pushed = self.dice.uniform(0.05, 0.15) if self.dice.random() < self.trouble.shins else 0.0
+            self.pushed = self.dice.uniform(0.05, 0.15) if self.dice.random() < self.trouble.calves else 0.0
             self.straight = self.dice.random() < self.trouble.straight
         elif c.stage.stage != at.LOWER:
             self.pushed, self.straight = 0.0, False
@@ -196,13 +196,13 @@ class Pair:
     def jump(self):
         """Put both at some point of a crawl that is drawn, whether a walk comes there or not; feel anything there."""
         c, dice = self.crawl, self.dice
-        c.stage.turn = dice.randrange(4)
-        c.stage.leg, c.stage.stage = twin.ORDER[c.stage.turn], dice.choice((0, 1, 2, 3, 4, 4, 4, 4, 5))
+        c.stage.order = dice.randrange(4)
+        c.stage.leg, c.stage.stage = twin.ORDER[c.stage.order], dice.choice((0, 1, 2, 3, 4, 4, 4, 4, 5))
         self.jump_ground()
         self.jump_body()
         self.jump_swing(c.stage.leg)
         aside = (0.0,) if self.k.planar else (0.0, 0.0, 1.3, -1.3, 1.45, -1.45, 2.6, -2.6)
-        far = [self.k.rebase * dice.choice(values) for values in ((0.0, 0.0, 1.3, -1.3), aside)]
+        far = [self.k.half_leg * dice.choice(values) for values in ((0.0, 0.0, 1.3, -1.3), aside)]
         self.carry_off(*[self.fine(value) for value in (*far, -dice.randrange(2) * self.k.height)])
         self.adopt()
         self.move_origin()
@@ -220,13 +220,13 @@ class Pair:
         return self.fine(self.dice.uniform(-millimetres, millimetres) * MM * self.size)
 
     def jump_ground(self):
-        """Draw feet, prints, shares and loads."""
+        """Draw feet, footholds, shares and loads."""
         c, dice, leg = self.crawl, self.dice, self.crawl.stage.leg
         along = dice.choice((30, 90)) if c.stage.stage == at.SHIFT else 30  # no plan is made there
         for other, shape in enumerate(self.legs):
             for axis, rest, way in ((0, shape.rest[0], along), (1, shape.rest[1], 10), (2, 0.0, 40)):
                 c.map.feet[other][axis] = self.fine(rest) + self.spread(way)
-                c.map.seen[other][axis] = c.map.feet[other][axis]
+                c.map.measured[other][axis] = c.map.feet[other][axis]
             c.support.stance[other] = int(other != leg or c.stage.stage in (at.SHIFT, at.REST))
             c.support.share_q12[other] = dice.choice((0, 100, 2000, 4096))
             c.support.load_q12[other], c.support.force_q12[other] = dice.randrange(2000), dice.randrange(-400, 2400)
@@ -237,9 +237,9 @@ class Pair:
             for place in queue.places:
                 for axis in range(3):
                     place[axis] = c.map.feet[2 + side][axis] + self.spread(60)
-        c.support.warp, c.even.even_steps = self.spread(39), dice.choice((0, 1, 2, 3, 4, 5, 7, 8, 9))
-        way, pace = c_way(self.crawl), self.fine(self.k.stride / 4)
-        c.stage.ahead = dice.choice((0, 1, -1, -way, -way - 1, pace, -pace))
+        c.support.diagonal_offset, c.ground.even_landings = self.spread(39), dice.choice((0, 1, 2, 3, 4, 5, 7, 8, 9))
+        way, step = c_way(self.crawl), self.fine(self.k.stride / 4)
+        c.stage.ahead = dice.choice((0, 1, -1, -way, -way - 1, step, -step))
         c.support.payload_q12 = dice.choice((0, 4096))
         if dice.random() < 0.5:
             self.jump_diagonals(leg)
@@ -277,30 +277,30 @@ class Pair:
         c.swing.speed = dice.randrange(k.known_lower_speed)
         c.swing.way_ticks = dice.randrange(k.swing_ticks, 4 * k.swing_ticks)
         times = (c.path.move_ticks + k.settle_ticks, c.path.move_ticks // 2, c.swing.way_ticks, k.hang_ticks)
-        times += (k.hang_skip_ticks, k.riser_skip_ticks, c.path.move_ticks + k.warp_ticks)
+        times += (k.hang_skip_ticks, k.riser_skip_ticks, c.path.move_ticks + k.diagonal_ticks)
         c.stage.stage_tick = max(0, dice.choice(times) + dice.randint(-2, 2))
         c.swing.tries, c.swing.risers = dice.randrange(4), dice.randrange(3)
         c.swing.dropped, c.swing.known = (dice.randrange(2), 0) if leg < 2 else (0, dice.randrange(2))
         c.contact.tare_q12, c.contact.load_ticks = dice.randrange(-400, 600), dice.choice((0, 0, k.contact_ticks - 1))
         c.contact.peak, c.swing.limited = dice.randrange(2), int(dice.random() < 0.2)
-        c.contact.past[:PAST_SIZE] = [c.swing.place.x] * PAST_SIZE
-        c.contact.past_at = dice.randrange(PAST_SIZE)
-        c.map.seen[leg].x = c.swing.place.x - self.fine(dice.uniform(0.0, 0.03) * self.size)
-        c.map.seen[leg].z = c.swing.ground + self.spread(80)
+        c.contact.past_x[:HISTORY_TICKS] = [c.swing.place.x] * HISTORY_TICKS
+        c.contact.past_at = dice.randrange(HISTORY_TICKS)
+        c.map.measured[leg].x = c.swing.place.x - self.fine(dice.uniform(0.0, 0.03) * self.size)
+        c.map.measured[leg].z = c.swing.ground + self.spread(80)
         c.swing.leg_length = round(dice.choice((self.k.folded, self.k.swing_reach)) / self.unit_m) + dice.randint(-9, 9)
 
     def adopt(self):
         """Put the twin where the core is."""
         c, other = self.crawl, self.twin
-        other.turn, other.stage, other.ticks = c.stage.turn, c.stage.stage, c.stage.stage_tick
+        other.order, other.stage, other.ticks = c.stage.order, c.stage.stage, c.stage.stage_tick
         other.feet, other.stands = self.feet(self.crawl.map.feet), [bool(s) for s in c.support.stance[:4]]
         other.share = [share / 4096 for share in c.support.share_q12[:4]]
         for side in range(2):
-            other.prints[side] = self.prints(side, c.footholds.sides[side].waiting)
+            other.footholds[side] = self.footholds(side, c.footholds.sides[side].waiting)
         other.guessed = [queue.guessed for queue in c.footholds.sides]
-        other.on_print = [bool(queue.occupied) for queue in c.footholds.sides]
-        other.warp, other.pace = self.metres((c.support.warp, c.stage.ahead))
-        other.steps_even, other.landed = c.even.even_steps, c.even.landed
+        other.occupied = [bool(queue.occupied) for queue in c.footholds.sides]
+        other.diagonal_offset, other.ahead = self.metres((c.support.diagonal_offset, c.stage.ahead))
+        other.even_landings, other.landings = c.ground.even_landings, c.ground.landings
         body = other.body
         poses = c.path.from_pose, c.path.to_pose, c.path.wanted
         body.start, body.goal, body.wanted = (self.pose(pose) for pose in poses)
@@ -312,11 +312,11 @@ class Pair:
     def adopted_swing(self):
         """Return the core's swing as the twin has it."""
         c = self.crawl
-        s = twin.Swing(c.stage.leg, self.metres(pack(c.swing.place)), PAST_SIZE)
+        s = twin.Swing(c.stage.leg, self.metres(pack(c.swing.place)), HISTORY_TICKS)
         s.source, s.target = self.metres(pack(c.swing.departure)), self.metres(pack(c.swing.target))
-        s.expect, s.apex, s.speed = self.metres((c.swing.ground, c.swing.apex, c.swing.speed))
-        s.ticks_across, s.tries, s.hits = c.swing.way_ticks, c.swing.tries, c.swing.risers
-        s.dropped, s.peak, s.touched = bool(c.swing.dropped), bool(c.contact.peak), c.contact.load_ticks
+        s.ground, s.apex, s.speed = self.metres((c.swing.ground, c.swing.apex, c.swing.speed))
+        s.ticks_across, s.tries, s.risers = c.swing.way_ticks, c.swing.tries, c.swing.risers
+        s.dropped, s.peak, s.load_ticks = bool(c.swing.dropped), bool(c.contact.peak), c.contact.load_ticks
         s.known = bool(c.swing.known)
         s.tare = c.contact.tare_q12 / 4096
         return s
@@ -347,7 +347,7 @@ class Pair:
         """Both keep their maps under the body: what is measured last is where it is."""
         body = self.pose(self.crawl.map.body_pose)[:3]
         way = self.twin.move_origin(body)
-        assert rebase(self.crawl) == int(way is not None)
+        assert recentre_map(self.crawl) == int(way is not None)
         if way:
             self.origin = [a + b for a, b in zip(self.origin, way, strict=True)]
 
@@ -369,19 +369,19 @@ class Pair:
             "leg": (c.stage.leg, other.leg),
             "tick": (c.stage.stage_tick, other.ticks),
             "stands": (c.support.stance[:4], [int(s) for s in other.stands]),
-            "on print": ([queue.occupied for queue in c.footholds.sides], [int(s) for s in other.on_print]),
+            "occupied": ([queue.occupied for queue in c.footholds.sides], [int(s) for s in other.occupied]),
             "guessed": ([queue.guessed for queue in c.footholds.sides], other.guessed),
-            "prints": ([queue.waiting for queue in c.footholds.sides], [len(side) for side in other.prints]),
-            "even": (c.even.even_steps, other.steps_even),
-            "landed": (c.even.landed, other.landed),
+            "footholds": ([queue.waiting for queue in c.footholds.sides], [len(side) for side in other.footholds]),
+            "even landings": (c.ground.even_landings, other.even_landings),
+            "landings": (c.ground.landings, other.landings),
             "planned": (c.path.move_tick == 0, other.body.planned),
         }
         if other.swing:
             s = other.swing
-            same["tries"] = [c.swing.tries, c.swing.risers, c.swing.dropped], [s.tries, s.hits, int(s.dropped)]
+            same["tries"] = [c.swing.tries, c.swing.risers, c.swing.dropped], [s.tries, s.risers, int(s.dropped)]
             same["known"] = c.swing.known, int(s.known)
-            if other.stage in (twin.DOWN, twin.REST):
-                same["touched"] = (c.contact.load_ticks, c.contact.peak), (s.touched, int(s.peak))
+            if other.stage in (twin.LOWER, twin.REST):
+                same["load ticks"] = (c.contact.load_ticks, c.contact.peak), (s.load_ticks, int(s.peak))
         if other.events:
             event, leg, _ = other.events[-1]
             same["event"] = [c.event.code, c.event.leg], [event, leg]
@@ -396,19 +396,19 @@ class Pair:
         pairs = [
             ("feet", self.feet(c.map.feet), other.feet),
             ("shares", [value / 4096 for value in c.support.share_q12[:4]], other.share),
-            ("pace", [c.stage.ahead * self.fine_m], [other.pace]),
-            ("warp", [c.support.warp * self.fine_m], [other.warp]),
+            ("ahead", [c.stage.ahead * self.fine_m], [other.ahead]),
+            ("diagonal offset", [c.support.diagonal_offset * self.fine_m], [other.diagonal_offset]),
             ("body", self.pose(c.path.wanted)[:3], other.body.wanted[:3]),
             ("tilt", self.pose(c.path.wanted)[3:], other.body.wanted[3:]),
         ]
-        for side, prints in enumerate(other.prints):
-            pairs.append(("prints", self.prints(side, len(prints)), prints))
+        for side, queue in enumerate(other.footholds):
+            pairs.append(("footholds", self.footholds(side, len(queue)), queue))
         if other.swing:
             s = other.swing
             pairs += [
                 ("foot", self.metres(pack(c.swing.place)), s.place),
                 ("target", self.metres(pack(c.swing.target)), s.target),
-                ("expected", self.metres([c.swing.ground]), [s.expect]),
+                ("expected", self.metres([c.swing.ground]), [s.ground]),
                 ("apex", self.metres([c.swing.apex]), [s.apex]),
                 ("speed", self.metres([c.swing.speed]), [s.speed]),
             ]
@@ -445,7 +445,7 @@ def c_way(crawl):
 
 def feels(other):
     """Return whether the twin's foot has a tare in this swing: until then the core keeps the last one's."""
-    return other.stage in (twin.DOWN, twin.REST) or (other.stage == twin.TARE and other.ticks > 0)
+    return other.stage in (twin.LOWER, twin.REST) or (other.stage == twin.HANG and other.ticks > 0)
 
 
 def list_of(values):
@@ -463,10 +463,10 @@ MM = 1e-3
 # Of a leg of 240 mm; a foot's and the body's way by the quintic's 0.2 %
 BOUNDS = {
     "feet": 1e-9,
-    "prints": 0.01 * MM,
+    "footholds": 0.01 * MM,
     "shares": 1e-9,
-    "pace": 1e-9,
-    "warp": 0.03 * MM,
+    "ahead": 1e-9,
+    "diagonal offset": 0.03 * MM,
     "body": 0.2 * MM,
     "tilt": 0.6e-3,
     "foot": 0.2 * MM,

@@ -72,7 +72,7 @@ def crawl_si(params):
     return SimpleNamespace(
         **{name: getattr(crawl, name) * one[place.unit] for name, place in CrawlSetup.FIELDS if place.unit in one},
         com_x=params.com_x * unit_m,
-        rebase=params.leg_length * unit_m / 2,
+        half_leg=params.leg_length * unit_m / 2,
         share=4096 // crawl.share_ticks / 4096,
         acceleration=crawl.body_acceleration * unit_m / params.rate_hz**2,
         quick_acceleration=crawl.quick_body_acceleration * unit_m / params.rate_hz**2,

@@ -12,9 +12,9 @@ from host.robot.file import load_robot
 from host.robot.plane import planar_robot
 from shared.body.params import FL
 from shared.crawl import state as at
-from shared.crawl.crawl import rebase
-from shared.crawl.even import LEGS_EVEN
+from shared.crawl.crawl import recentre_map
 from shared.crawl.footholds import MOST_FOOTHOLDS, foothold_add, foothold_drop
+from shared.crawl.ground import TROT_LANDINGS
 from shared.crawl.map import fit_body
 from shared.crawl.state import Crawl, Footholds, Map
 from shared.crawl.swing import brake_speed
@@ -97,13 +97,13 @@ def test_a_foot_in_the_air_does_not_move_the_body():
 def places(crawl):
     """Return the places of a crawl as seen from its body."""
     body, path, swing = crawl.map.body_pose, crawl.path, crawl.swing
-    points = crawl.map.feet + crawl.map.seen + crawl.footholds.sides[0].places + crawl.footholds.sides[1].places
+    points = crawl.map.feet + crawl.map.measured + crawl.footholds.sides[0].places + crawl.footholds.sides[1].places
     found = [value for point in points for value in pack(point)]
     found += [pose[axis] for pose in (path.wanted, path.from_pose, path.to_pose) for axis in range(3)]
     found += [*pack(swing.place), *pack(swing.target)]
     found = [value - body[at % 3] for at, value in enumerate(found)]
     found += [swing.departure[axis] - body[axis] for axis in range(2)] + [swing.ground - body.z, swing.apex - body.z]
-    return found + [x - body.x for x in crawl.contact.past]
+    return found + [x - body.x for x in crawl.contact.past_x]
 
 
 def test_the_map_is_moved_exactly():
@@ -112,16 +112,16 @@ def test_the_map_is_moved_exactly():
     queues = [place for queue in crawl.footholds.sides for place in queue.places]
     for queue in crawl.footholds.sides:
         queue.waiting = MOST_FOOTHOLDS
-    for values in (*crawl.map.feet, *crawl.map.seen, *queues, crawl.path.wanted, crawl.path.to_pose,
-                   crawl.swing.place, crawl.swing.target, crawl.swing.departure, crawl.contact.past):
+    for values in (*crawl.map.feet, *crawl.map.measured, *queues, crawl.path.wanted, crawl.path.to_pose,
+                   crawl.swing.place, crawl.swing.target, crawl.swing.departure, crawl.contact.past_x):
         unpack(values, [dice.randint(-(1 << 22), 1 << 22) for _ in pack(values)])
     crawl.map.body_pose.x = (crawl.params.leg_length << 7) + 12345
     crawl.swing.ground = crawl.swing.place.z - 777
     away = places(crawl)
-    assert rebase(crawl) == 1
+    assert recentre_map(crawl) == 1
     assert places(crawl) == away
     assert crawl.map.body_pose.x == 0
-    assert rebase(crawl) == 0
+    assert recentre_map(crawl) == 0
 
 
 def test_footholds_come_out_in_the_order_they_went_in():
@@ -249,7 +249,7 @@ def test_the_trot_gives_way_to_the_crawl_where_it_is_held_up_and_goes_on_behind_
     assert 0.005 < x_m[backing[0]] - x_m[backing[-1]] < 0.14
     assert script.reasons[-1] == REASON_EVEN
     assert script.crawls[-1] == OFF
-    assert script.driver.planner.crawl.even.landed >= LEGS_EVEN
+    assert script.driver.planner.crawl.ground.landings >= TROT_LANDINGS
 
 
 @pytest.mark.parametrize("angle_deg", [8.0, -8.0])

@@ -93,17 +93,17 @@ class Pair:
             return TICK(robot, command, sensed)
         wanted, known = self.command(command), self.known(sensed)
         crawl = robot.crawl
-        before = SimpleNamespace(even=crawl.even.even_steps)
-        events = crawl.even.landed
+        before = SimpleNamespace(even_landings=crawl.ground.even_landings)
+        events = crawl.ground.landings
         answer = TICK(robot, command, sensed)
         known.known = robot.sensing.known
         was = self.twin.stage
         self.twin.begin_crawl(known)
         self.standing, self.twin.walked = known.standing, known.walked
         if self.twin.stage == twin.ON and not self.twin.blind:
-            reason = self.twin.why_end(wanted, before if was == twin.ON else SimpleNamespace(even=0))
+            reason = self.twin.why_end(wanted, before if was == twin.ON else SimpleNamespace(even_landings=0))
             self.standing = self.twin.end_crawl(wanted, known, reason, crawl.stage.stage == at.REST)
-            assert reason or crawl.even.landed in (events, events + 1, 0)
+            assert reason or crawl.ground.landings in (events, events + 1, 0)
             assert self.swings(crawl)
         return answer
 
@@ -173,7 +173,7 @@ def trouble(pair, dice):
         pair.walker.planner.trot.state.stuck_ticks = dice.choice(HELD)
         pair.walker.planner.trot.held_up_in_row[:] = dice.choice(ROWS)
     if dice.random() < 0.3 and phase(pair.walker.planner) == ON:
-        pair.walker.planner.crawl.even.even_steps = dice.choice((0, 15, 16, 20))
+        pair.walker.planner.crawl.ground.even_landings = dice.choice((0, 15, 16, 20))
 
 
 def restless(spied, seed):
@@ -251,10 +251,10 @@ def test_the_crawl_begins_for_the_same_reason_at_any_point(drawn, speed, command
 @given(TROTS, SPEEDS, COMMANDS, st.sampled_from((0, 15, 16, 17)))
 def test_the_crawl_ends_for_the_same_reason_at_any_point(drawn, speed, command, even):
     pair, robot, block = put(drawn, speed, command)
-    robot.crawl.even.even_steps = even
+    robot.crawl.ground.even_landings = even
     wanted = pair.command(block)
     pair.twin.walked = drawn["gait"]
-    assert walk_crawl.end_reason(robot, block) == pair.twin.why_end(wanted, SimpleNamespace(even=even))
+    assert walk_crawl.end_reason(robot, block) == pair.twin.why_end(wanted, SimpleNamespace(even_landings=even))
     assert robot.status.gait == pair.twin.walked
 
 
@@ -313,6 +313,6 @@ def test_a_decision_that_is_off_by_one_is_seen(spied, monkeypatch):
             planted.setattr(module, name, wrong)
             with pytest.raises(AssertionError):
                 all_restless(spied)
-    monkeypatch.setattr(walk_crawl, "ground_even", lambda *_: 0)
+    monkeypatch.setattr(walk_crawl, "even_for_trot", lambda *_: 0)
     with pytest.raises(AssertionError):
         test_the_crawl_ends_for_the_same_reason_at_any_point()

@@ -146,7 +146,7 @@ CARAMELO = {
     "deepest": 0.085,
 }  # fmt: skip
 CARAMELO_S = {
-    "contact_ticks": 0.06, "hang_ticks": 0.14, "warp_ticks": 1.5, "share_ticks": 0.3, "settle_ticks": 0.06,
+    "contact_ticks": 0.06, "hang_ticks": 0.14, "diagonal_ticks": 1.5, "share_ticks": 0.3, "settle_ticks": 0.06,
 }  # fmt: skip
 
 

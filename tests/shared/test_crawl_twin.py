@@ -11,12 +11,12 @@ from hypothesis import strategies as st
 from shared.body.leg import LIMIT_CALF, LIMIT_HIP, LIMIT_THIGH
 from shared.crawl import contact, footholds
 from shared.crawl import crawl as core_crawl
-from shared.crawl import even as crawl_even
 from shared.crawl import goals as crawl_goals
+from shared.crawl import ground as crawl_ground
 from shared.crawl import map as crawl_map
 from shared.crawl import pose as crawl_pose
 from shared.crawl import swing as swing_leg
-from shared.crawl.state import PAST_SIZE, SHIFT, Crawl
+from shared.crawl.state import HISTORY_TICKS, SHIFT, Crawl
 from shared.planner import retreat
 from shared.planner.command import Command
 from shared.record import copy, pack, unpack
@@ -121,9 +121,9 @@ def test_only_a_foot_that_carries_is_followed_when_it_slips(crawl):
     put(crawl, standing(random.Random(2)))
     crawl.support.force_q12[:4] = [1000, 0, 1000, 1000]
     before = [foot.z for foot in crawl.map.feet]
-    for foot, seen in zip(crawl.map.feet, crawl.map.seen, strict=True):
-        copy(foot, seen)
-        seen.z += fine(0.02)
+    for foot, measured in zip(crawl.map.feet, crawl.map.measured, strict=True):
+        copy(foot, measured)
+        measured.z += fine(0.02)
     crawl_map.follow_slips(crawl)
     moved = [(foot.z - z) * FINE_M for foot, z in zip(crawl.map.feet, before, strict=True)]
     assert moved[1] == 0
@@ -140,9 +140,9 @@ def test_even_ground_is_what_lies_on_one_slope(crawl, seed):
     put(crawl, feet)
     came_from = feet[leg][0] - 0.076, feet[leg][2] - dice.uniform(-0.02, 0.02)
     crawl.swing.departure.x, crawl.swing.target.z = fine(came_from[0]), fine(came_from[1])
-    crawl.even.even_steps = 5
-    count = crawl_even.note_landing(crawl, leg)
-    exact, found = twin.uneven(feet, leg, came_from), crawl_even.off_even(crawl, leg) * UNIT_M
+    crawl.ground.even_landings = 5
+    count = crawl_ground.note_landing(crawl, leg)
+    exact, found = twin.uneven(feet, leg, came_from), crawl_ground.unevenness(crawl, leg) * UNIT_M
     assert abs(found - exact) < 0.15 * MM
     if abs(exact - setting("drop_depth") / 3) > 0.2 * MM:
         assert count == (6 if exact < setting("drop_depth") / 3 else 0)
@@ -153,9 +153,9 @@ def test_astride_an_edge_is_not_even_although_four_feet_lie_on_a_slope(crawl):
     feet = [[0.125, -0.1, 0.04], [0.125, 0.1, 0.04], [-0.105, -0.1, 0.0], [-0.105, 0.1, 0.0]]
     put(crawl, feet)
     crawl.swing.departure.x, crawl.swing.target.z = fine(0.125 - 0.076), fine(0.04)
-    assert crawl_even.note_landing(crawl, 0) == 0
+    assert crawl_ground.note_landing(crawl, 0) == 0
     crawl.swing.target.z = fine(0.04 - 0.04 * 76 / 230)
-    assert crawl_even.note_landing(crawl, 0) == 1
+    assert crawl_ground.note_landing(crawl, 0) == 1
 
 
 @pytest.mark.parametrize("slope", [-0.2, -0.03, 0.03, 0.2])
@@ -165,7 +165,7 @@ def test_a_front_foot_expects_its_ground_on_a_slope_it_is_sure_of(crawl, slope):
     put(crawl, feet)
     rise = slope * (swing.front_target(feet[0][0], feet[1][0], setting("stride")) - feet[0][0])
     for landings, exact in ((2, 0.0), (3, rise if abs(rise) > 4 * MM else 0.0)):
-        crawl.even.even_steps = landings
+        crawl.ground.even_landings = landings
         footholds.aim(crawl, 0)
         assert crawl.swing.ground * FINE_M - feet[0][2] == pytest.approx(exact, abs=0.1 * MM)
 
@@ -193,7 +193,7 @@ def test_the_body_goes_over_the_point_as_high_as_its_legs_reach_and_takes_its_ti
     to = pack(crawl.path.to_pose)
     pitch = twin.slope_pitch(feet, setting("half_length") * 2 / 3)
     com = PARAMS.com_x * UNIT_M, setting("com_z")
-    place = wanted[0] - twin.mass_ahead(com, pitch), wanted[1]
+    place = wanted[0] - twin.com_ahead(com, pitch), wanted[1]
     assert math.dist((to[0] * FINE_M, to[1] * FINE_M), place) < 0.1 * MM
     sides = [leg.side_l1 for leg in LEGS]
     height = twin.body_height(feet, [leg.hip for leg in LEGS], sides, place, pitch, setting("height"),
@@ -212,8 +212,8 @@ def test_the_mass_goes_to_the_nearest_point_inside_the_support(seed, leg, wanted
     feet = standing(dice)
     put(crawl, feet)
     wanted = round(wanted_m / UNIT_M)
-    crawl_pose.mass_target(crawl, leg, wanted)
-    exact = plan.mass_target(feet, leg, wanted * UNIT_M, setting("margin"), planar)
+    crawl_pose.com_target(crawl, leg, wanted)
+    exact = plan.com_target(feet, leg, wanted * UNIT_M, setting("margin"), planar)
     assert math.dist([value * UNIT_M for value in pack(crawl.point)], exact) < 0.2 * MM
 
 
@@ -258,12 +258,12 @@ def test_the_pose_loop_follows_its_twin_for_five_seconds(crawl):
 
 
 @pytest.mark.parametrize("side", [0, 1])
-def test_the_first_prints_lie_between_hind_and_front_foot(crawl, side):
+def test_the_first_footholds_lie_between_hind_and_front_foot(crawl, side):
     feet = standing(random.Random(5 + side))
     put(crawl, feet)
     footholds.footholds_start(crawl)
     hind, front = feet[2 + side], feet[side]
-    for place, exact in enumerate(swing.first_prints((hind[0], hind[2]), (front[0], front[2]), side)):
+    for place, exact in enumerate(swing.first_footholds((hind[0], hind[2]), (front[0], front[2]), side)):
         foothold = crawl.footholds.sides[side].places[place]
         found = foothold.x * FINE_M, foothold.z * FINE_M
         assert math.dist(found, exact) < 0.01 * MM
@@ -339,12 +339,12 @@ def test_a_riser_is_felt_by_how_late_the_foot_is(leg, behind_m, way_m):
     c, k = Crawl(PARAMS), PARAMS.crawl
     ticks = 24
     c.stage.stage_tick, c.swing.way_ticks, c.swing.target.x, c.swing.departure.x = 20, ticks, fine(way_m), 0
-    for place in range(PAST_SIZE):
-        c.contact.past[place] = fine(behind_m)
+    for place in range(HISTORY_TICKS):
+        c.contact.past_x[place] = fine(behind_m)
     late = swing.held_up(behind_m, setting("riser_lag"), way_m, (ticks + 1) / RATE, k.swing_lag_ticks / RATE)
     margin = behind_m - setting("riser_lag") - way_m / ((ticks + 1) / RATE) * k.swing_lag_ticks / RATE
     if abs(margin) > 0.05 * MM:
-        assert bool(contact.feel_riser(c, c.map.seen[leg].x)) == late
+        assert bool(contact.feel_riser(c, c.map.measured[leg].x)) == late
 
 
 @pytest.mark.parametrize("tare", [-569, 0, 569])  # as far as it goes, and none
@@ -419,7 +419,7 @@ def test_the_weight_is_learnt_from_the_feet_that_stand(seed, rate_hz):
             c.support.stance[:4] = stands
         forces = [round(dice.gauss(heavy, 0.2) * 4096) for _ in range(4)]
         sensing.force_q12[:] = forces
-        core_crawl.weigh(c.params, sensing, c.support)
+        core_crawl.update_weight(c.params, sensing, c.support)
         weight, load = exact.step([force / 4096 for force in forces], stands)
         assert abs(c.support.weight_q12 / 4096 - weight) < 0.004
         assert abs(c.support.payload_q12 / 4096 - load) < 0.008
@@ -491,15 +491,15 @@ def test_all_goals_stance_swing_and_what_is_left_of_a_jump(crawl, seed, lifts):
     low = [dice.uniform(-0.004, 0.004) for _ in range(6)]
     for axis in range(6):
         unit = fine if axis < 3 else bf
-        c.path.wanted[axis], c.path.sag[axis] = unit(wanted[axis]), unit(low[axis])
-    air, warp = [feet[leg][0], feet[leg][1], feet[leg][2] + 0.02], dice.uniform(-0.01, 0.01)
+        c.path.wanted[axis], c.path.deviation[axis] = unit(wanted[axis]), unit(low[axis])
+    air, offset = [feet[leg][0], feet[leg][1], feet[leg][2] + 0.02], dice.uniform(-0.01, 0.01)
     unpack(c.swing.place, [fine(value) for value in air])
-    c.support.warp, c.support.stance[leg], c.stage.leg = fine(warp), 1 - lifts, leg
+    c.support.diagonal_offset, c.support.stance[leg], c.stage.leg = fine(offset), 1 - lifts, leg
     stands = [other != leg or not lifts for other in range(4)]
-    exact = carry.goals(feet, stands, air, wanted, low, commanded, warp, LEGS)
+    exact = carry.goals(feet, stands, air, wanted, low, commanded, offset, LEGS)
     before = [round((angle + 0.03) / (2 * math.pi) * 65536) for angle in exact[leg]]
     c.goals[leg * 3 : leg * 3 + 3] = before
-    crawl_goals.bridge(crawl, leg, lifts)
+    crawl_goals.absorb_jump(crawl, leg, lifts)
     gain = crawl.params.crawl.jump_q15 if lifts else crawl.params.crawl.land_jump_q15
     left, goals = 1.0, [0] * 12
     for _ in range(30):

@@ -69,7 +69,7 @@ def seen(body, foot):
 
 
 def rolled_m(tick):
-    """Return how far each foot has rolled, x and y: all of them back and forth, as the shanks of a walking robot."""
+    """Return how far each foot has rolled, x and y: all of them back and forth, as the calves of a walking robot."""
     return [(x - 0.004 * math.sin(tick / 5), y) for x, y in ROLLED_M]
 
 

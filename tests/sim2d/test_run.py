@@ -249,22 +249,22 @@ def test_in_whatever_order_contacts_are_listed_the_force_is_the_same(robot, monk
     assert forces.pop()[0] == pytest.approx((1850, 1310))
 
 
-@pytest.mark.parametrize("shank_radius_m", [0.006, 1e-5])
-def test_a_shin_lies_on_an_edge_under_it(shank_radius_m):
+@pytest.mark.parametrize("link_radius_m", [0.006, 1e-5])
+def test_a_calf_lies_on_an_edge_under_it(link_radius_m):
     """A thin post stands between the front feet and knees; the crouch asked for would go through it."""
     post_x_m, post_m = 0.072, 0.040
     corners = ((-5.0, 0.0), (0.070, 0.0), (0.070, post_m), (0.074, post_m), (0.074, 0.0), (5.0, 0.0))
-    robot = caramelo(shank_radius_m=shank_radius_m)
+    robot = caramelo(link_radius_m=link_radius_m)
     world = World(robot, terrain.Terrain("post", corners))
     world.place(robot.stand_pose_rad)
-    assert front_shins_m(world, post_x_m).min() > post_m
+    assert front_calves_m(world, post_x_m).min() > post_m
     world.advance(planar((0.0, 0.9, -2.19) * 4), 3000)
-    assert front_shins_m(world, post_x_m) == pytest.approx(post_m, abs=0.015)
-    assert front_shins_m(world, post_x_m).min() > post_m - 1e-3
+    assert front_calves_m(world, post_x_m) == pytest.approx(post_m, abs=0.015)
+    assert front_calves_m(world, post_x_m).min() > post_m - 1e-3
 
 
-def front_shins_m(world, x_m):
-    """Height of the front shins' lines where they pass ``x_m``."""
+def front_calves_m(world, x_m):
+    """Height of the front calves' lines where they pass ``x_m``."""
     heights = []
     for leg in (0, 1):
         knee = world.parts.bodies[1 + 2 * leg].local_to_world(world.parts.thigh_knee_m)

@@ -176,13 +176,13 @@ def _add_leg(trunk: Xml.Element, robot: Robot, plane: PlanarRobot, leg: int, opt
             bodies[joint].set("axisangle", f"{_AXES[joint]} {rest}")
             hinge.set("ref", rest)
         _inertial(bodies[joint], link, side, knee)
-    touching, radius_m = _touching(plane.body_friction), plane.shank_radius_m
+    touching, radius_m = _touching(plane.body_friction), plane.link_radius_m
     tube = {"type": "capsule", "size": _number(radius_m), "rgba": "0.3 0.3 0.3 1"}
     Xml.SubElement(hip, "geom", {**tube, "name": f"{name}_hip", "contype": "0", "conaffinity": "0",
                                  "fromto": _vector((0, 0, 0, 0, side * max(offset_m, radius_m), 0))})
     Xml.SubElement(thigh, "geom", {**touching, **tube, "name": f"{name}_thigh",
                                    "fromto": _vector((0, 0, 0, 0, 0, -thigh_m))})
-    Xml.SubElement(calf, "geom", {**touching, **tube, "name": f"{name}_shank",
+    Xml.SubElement(calf, "geom", {**touching, **tube, "name": f"{name}_calf",
                                   "fromto": _vector((0, 0, 0, 0, 0, plane.foot_radius_m - calf_m))})
     Xml.SubElement(calf, "geom", {**_touching(plane.foot_friction), "name": f"{name}_foot", "type": "sphere",
                                   "size": _number(plane.foot_radius_m), "pos": _vector((0, 0, -calf_m)),

@@ -63,7 +63,7 @@ class World:
         self.rest()
 
     def _kinds(self) -> npt.NDArray[np.int64]:
-        """Classify the shapes: ground, trunk, thighs and shanks, feet (by leg)."""
+        """Classify the shapes: ground, trunk, thighs and calves, feet (by leg)."""
         kinds = np.zeros(self.model.ngeom, dtype=np.int64)
         for i in range(self.model.ngeom):
             name = self.model.geom(i).name

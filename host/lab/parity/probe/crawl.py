@@ -3,13 +3,13 @@
 
 from shared.body.params import Params
 from shared.crawl import contact, crawl, footholds
-from shared.crawl import even as crawl_even
 from shared.crawl import goals as crawl_goals
+from shared.crawl import ground as crawl_ground
 from shared.crawl import map as crawl_map
 from shared.crawl import pose as crawl_pose
 from shared.crawl import steps as crawl_steps
 from shared.crawl import swing as swing_leg
-from shared.crawl.state import HANG, LIFT, MOST_FOOTHOLDS, PAST_SIZE, SWING
+from shared.crawl.state import HANG, HISTORY_TICKS, LIFT, MOST_FOOTHOLDS, SWING
 from shared.gait.steps import Steps
 from shared.num import filters
 from shared.planner import handover, retreat
@@ -36,9 +36,9 @@ FOOTHOLDS = CRAWL.footholds
 PATH = CRAWL.path
 FOOT = CRAWL.swing
 CONTACT = CRAWL.contact
-EVEN = CRAWL.even
+GROUND = CRAWL.ground
 EVENT = CRAWL.event
-STATE = (STAGE, MAP, SUPPORT, FOOTHOLDS, PATH, FOOT, CONTACT, EVEN, EVENT, CRAWL.goals, CRAWL.jumps)
+STATE = (STAGE, MAP, SUPPORT, FOOTHOLDS, PATH, FOOT, CONTACT, GROUND, EVENT, CRAWL.goals, CRAWL.jumps)
 SENSING = Sensing()
 MEASURED = MeasuredFeet()
 JOINTS = zeros(12)
@@ -50,7 +50,7 @@ NO_LEG = Range(-1, 3)
 AXIS = Range(0, 2)
 AHEAD = Range(-(1 << 20), 1 << 20)
 TICKS = Range(0, 150)
-SHANK = Range(-98304, 98303)
+CALF_PITCH = Range(-98304, 98303)
 TILT = Range(-600, 600)
 SPEED = Range(0, 200000)
 SHARE = Range(0, 4096)
@@ -66,11 +66,11 @@ def _soil_map(dice, bits):
     for leg in range(4):
         for axis in range(3):
             MAP.feet[leg][axis] = _near(dice, bits)
-            MAP.seen[leg][axis] = _near(dice, bits)
+            MAP.measured[leg][axis] = _near(dice, bits)
     for axis in range(6):
         MAP.body_pose[axis] = _near(dice, bits if axis < 3 else 22)
     for leg in range(4):
-        MAP.shank[leg] = SHANK.any(dice)
+        MAP.calf_pitch[leg] = CALF_PITCH.any(dice)
         SUPPORT.stance[leg] = dice.bits(1)
         SUPPORT.share_q12[leg] = SHARE.any(dice)
         SUPPORT.force_q12[leg] = FORCE.any(dice)
@@ -78,7 +78,7 @@ def _soil_map(dice, bits):
     SUPPORT.weight_q12 = 2867 + dice.below(10240 - 2867)
     SUPPORT.weight_q20 = dice.below(16383 << 8)
     SUPPORT.payload_q12 = SHARE.any(dice)
-    SUPPORT.warp = dice.below(2 * 1342208) - 1342208
+    SUPPORT.diagonal_offset = dice.below(2 * 1342208) - 1342208
     SUPPORT.margin = PREVIOUS.any(dice)
 
 
@@ -90,7 +90,7 @@ def _soil_path(dice, bits):
         PATH.lagged[axis] = _near(dice, bits)
         PATH.integral[axis] = _near(dice, bits)
         PATH.commanded[axis] = _near(dice, bits)
-        PATH.sag[axis] = _near(dice, bits)
+        PATH.deviation[axis] = _near(dice, bits)
     PATH.move_tick = dice.below(61)
     PATH.move_ticks = dice.below(61)
     for side in range(2):
@@ -123,22 +123,22 @@ def _soil_swing(dice, bits):
     CONTACT.tare_q12 = FORCE.any(dice)
     CONTACT.load_ticks = dice.below(10)
     CONTACT.peak = dice.bits(1)
-    for at in range(PAST_SIZE):
-        CONTACT.past[at] = _near(dice, bits)
-    CONTACT.past_at = dice.below(PAST_SIZE)
+    for at in range(HISTORY_TICKS):
+        CONTACT.past_x[at] = _near(dice, bits)
+    CONTACT.past_at = dice.below(HISTORY_TICKS)
 
 
 def _soil_stage(dice):
     STAGE.stage = dice.below(6)
     STAGE.stage_tick = TICKS.any(dice)
-    STAGE.turn = dice.bits(2)
+    STAGE.order = dice.bits(2)
     STAGE.leg = dice.bits(2)
     STAGE.ahead = dice.below(1200000) - 600000
     EVENT.code = dice.bits(3)
     EVENT.leg = dice.bits(2)
     EVENT.number = PREVIOUS.any(dice)
-    EVEN.landed = PREVIOUS.any(dice)
-    EVEN.even_steps = PREVIOUS.any(dice)
+    GROUND.landings = PREVIOUS.any(dice)
+    GROUND.even_landings = PREVIOUS.any(dice)
 
 
 def _soil(values, dice):
@@ -219,6 +219,16 @@ def _with_foothold(values, dice):
     FOOTHOLDS.sides[values[2]].waiting = 1 + dice.bits(1)
 
 
+def _with_weights(values, dice):
+    """Fill the state; any weights of the feet, with their sum."""
+    _soil(values, dice)
+    total = 0
+    for leg in range(4):
+        CRAWL.weights[leg] = dice.below(257)
+        total += CRAWL.weights[leg]
+    values[2] = max(1, total)
+
+
 def _any_speed(values, dice):
     for axis in range(3):
         COMMAND.speed[axis] = dice.bits(21) - (1 << 20)
@@ -256,7 +266,7 @@ PROBES = (
     _stateful(footholds, "aim", (CRAWL, LEG)),
     _stateful(footholds, "aim_front", (CRAWL, FLAG)),
     _stateful(footholds, "aim_hind", (CRAWL, HIND)),
-    _stateful(footholds, "stride_hind", (CRAWL, HIND)),
+    _stateful(footholds, "aim_hind_even", (CRAWL, HIND)),
     _stateful(footholds, "lay_between", (CRAWL, HIND)),
     _stateful(footholds, "steps_down", (CRAWL, LEG)),
     _stateful(footholds, "next_foothold_x", (FOOTHOLDS, HIND)),
@@ -275,17 +285,17 @@ PROBES = (
     _stateful(swing_leg, "lower_speed", (CRAWL,)),
     _stateful(swing_leg, "lower_foot", (CRAWL,)),
     _stateful(crawl_map, "roll_feet", (CRAWL, JOINTS)),
-    _stateful(crawl_map, "foot_weight_q8", (SUPPORT, LEG)),
-    _stateful(crawl_map, "fit_heading", (CRAWL, SENSING)),
+    _stateful(crawl_map, "weigh_feet", (CRAWL,), watch=(CRAWL.weights,)),
+    _stateful(crawl_map, "fit_heading", (CRAWL, SENSING, 1), fit=_with_weights),
     _stateful(crawl_map, "turn_feet", (SENSING, MAP)),
     _stateful(crawl_map, "fit_body", (CRAWL, SENSING)),
     _stateful(crawl_map, "follow_slips", (CRAWL,)),
     _stateful(crawl_map, "mean_foot", (MAP, AXIS)),
     _stateful(crawl_map, "front_to_hind", (MAP, AXIS)),
     _stateful(crawl_pose, "feet_pitch", (ROBOT, MAP)),
-    Probe(crawl_pose, "mass_ahead", (ROBOT, BRAD)),
+    Probe(crawl_pose, "com_ahead", (ROBOT, BRAD)),
     Probe(crawl_pose, "take_feet", (CRAWL,), watch=(CRAWL.feet,), fit=_soil),
-    _stateful(crawl_pose, "mass_target", (CRAWL, LEG, UNIT)),
+    _stateful(crawl_pose, "com_target", (CRAWL, LEG, UNIT)),
     _stateful(crawl_pose, "resting_x", (CRAWL,)),
     _stateful(crawl_pose, "longest_leg", (CRAWL, NO_LEG)),
     _stateful(crawl_pose, "plan_body", (CRAWL, NO_LEG)),
@@ -293,22 +303,22 @@ PROBES = (
     _stateful(crawl_pose, "move_ticks", (CRAWL,)),
     _stateful(crawl_pose, "move_body", (PATH,)),
     _stateful(crawl_pose, "hold_pose", (CRAWL,)),
-    _stateful(crawl_goals, "foot_warp", (SUPPORT, LEG)),
+    _stateful(crawl_goals, "foot_offset", (SUPPORT, LEG)),
     _stateful(crawl_goals, "plan_loads", (CRAWL,)),
     _stateful(crawl_goals, "take_pose", (CRAWL, FLAG)),
     _stateful(crawl_goals, "foot_in_body", (CRAWL, LEG, PLACE, PLACE, PLACE)),
     _stateful(crawl_goals, "place_foot", (CRAWL, LEG, FLAG)),
     _stateful(crawl_goals, "leg_goal", (CRAWL, LEG, FLAG)),
-    _stateful(crawl_goals, "bridge", (CRAWL, LEG, FLAG)),
+    _stateful(crawl_goals, "absorb_jump", (CRAWL, LEG, FLAG)),
     _stateful(crawl_goals, "solve_legs", (CRAWL,)),
     _stateful(crawl_goals, "legs_goals", (CRAWL, GOALS)),
     _stateful(crawl_steps, "enter", (CRAWL, Range(0, 5))),
-    _stateful(crawl_steps, "tell", (CRAWL, Range(0, 7), PLACE)),
+    _stateful(crawl_steps, "note_event", (CRAWL, Range(0, 7), PLACE)),
     _stateful(crawl_steps, "start_stages", (CRAWL,)),
     _stateful(crawl_steps, "take_stage", (CRAWL, AHEAD)),
     _stateful(crawl_steps, "swing_stage", (CRAWL, LEG)),
     _stateful(crawl_steps, "plan_shift", (CRAWL,)),
-    _stateful(crawl_steps, "over_foot", (CRAWL, LEG, PLACE)),
+    _stateful(crawl_steps, "hip_over", (CRAWL, LEG, PLACE)),
     _stateful(crawl_steps, "shift_to", (CRAWL, LEG, UNIT, NO_LEG)),
     _stateful(crawl_steps, "shift_tick", (CRAWL, LEG)),
     _stateful(crawl_steps, "match_diagonals", (CRAWL, LEG)),
@@ -317,33 +327,33 @@ PROBES = (
     _stateful(crawl_steps, "hang_tick", (CRAWL, LEG)),
     _stateful(crawl_steps, "lower_tick", (CRAWL, LEG)),
     _stateful(crawl_steps, "lift_again", (CRAWL, PLACE, PLACE)),
-    _stateful(crawl_steps, "free_shin", (CRAWL, LEG)),
+    _stateful(crawl_steps, "free_calf", (CRAWL, LEG)),
     _stateful(crawl_steps, "touch", (CRAWL, LEG, PLACE)),
     _stateful(crawl_steps, "find_ground", (CRAWL, LEG)),
     _stateful(crawl_steps, "drop_front", (CRAWL, FLAG)),
     _stateful(crawl_steps, "drop_hind", (CRAWL, HIND)),
     _stateful(crawl_steps, "land", (CRAWL, LEG)),
-    _stateful(crawl_even, "note_landing", (CRAWL, LEG)),
-    _stateful(crawl_even, "off_even", (CRAWL, LEG)),
-    _stateful(crawl_even, "feet_length", (MAP,)),
-    _stateful(crawl_even, "feet_rise", (MAP,)),
-    _stateful(crawl_even, "expected_rise", (CRAWL, AHEAD)),
-    Probe(crawl_even, "off_slope", (PLACE, PLACE, Range(1, 16383), FORCE)),
-    _stateful(crawl, "forget", (CRAWL,)),
+    _stateful(crawl_ground, "note_landing", (CRAWL, LEG)),
+    _stateful(crawl_ground, "unevenness", (CRAWL, LEG)),
+    _stateful(crawl_ground, "feet_length", (MAP,)),
+    _stateful(crawl_ground, "feet_rise", (MAP,)),
+    _stateful(crawl_ground, "expected_rise", (CRAWL, AHEAD)),
+    Probe(crawl_ground, "off_slope", (PLACE, PLACE, Range(1, 16383), FORCE)),
+    _stateful(crawl, "crawl_reset", (CRAWL,)),
     _stateful(crawl, "start_map", (CRAWL, SENSING, JOINTS, TILT, TILT)),
     _stateful(crawl, "start_support", (SENSING, SUPPORT)),
     _stateful(crawl, "take_tilt", (OWN, MAP, TILT, TILT)),
-    _stateful(crawl, "weigh", (ROBOT, SENSING, SUPPORT)),
-    _stateful(crawl, "rebase", (CRAWL,)),
+    _stateful(crawl, "update_weight", (ROBOT, SENSING, SUPPORT)),
+    _stateful(crawl, "recentre_map", (CRAWL,)),
     _stateful(crawl, "move_origin", (CRAWL, AXIS, PLACE)),
     _stateful(crawl, "estimate", (CRAWL, SENSING, JOINTS, TILT, TILT)),
     _stateful(crawl, "crawl_start", (CRAWL, SENSING, JOINTS, GOALS, TILT, TILT)),
     _backing(retreat, "retreat_start", (RETREAT,)),
     _backing(retreat, "retreat_step", (ROBOT, COMMAND, MOVED, FLAG, RETREAT, TOLD), watch=(TOLD, RETREAT)),
     Probe(handover, "crawl_can_follow", (ROBOT, COMMAND), fit=_any_speed),
-    _stateful(crawl_even, "ground_even", (EVEN,)),
-    _stateful(crawl_even, "strides_out", (EVEN,)),
-    _stateful(crawl_even, "stride_lf", (CRAWL,)),
+    _stateful(crawl_ground, "even_for_trot", (GROUND,)),
+    _stateful(crawl_ground, "long_strides", (GROUND,)),
+    _stateful(crawl_ground, "stride_lf", (CRAWL,)),
     Probe(handover, "fade_start", (ROBOT, FADE, JOINTS), watch=(FADE,), fit=_any_fade),
     Probe(handover, "fade_out", (FADE, JOINTS), watch=(FADE, JOINTS), fit=_any_fade),
     _walking(crawl, "crawl_tick", (CRAWL, SENSING, JOINTS, TILT, TILT, AHEAD, GOALS), watch=(GOALS,) + STATE),

@@ -1,17 +1,17 @@
 """Whether the ground under the crawl is even: all footholds on one slope along the way, and each step along it.
 
-On such ground the crawl expects its next step on that slope, strides out, and at last gives way to the trot.
+On such ground the crawl expects its next step on that slope, takes long strides, and at last gives way to the trot.
 """
 
 from ..body.params import FR, LEGS, LF_BITS, RR
 from ..num.fixed import saturate
 from ..runtime import const, hot
 from .map import front_to_hind
-from .state import Crawl, Evenness, Map
+from .state import Crawl, Ground, Map
 
-LEGS_EVEN = const(16)  # landings on even ground: the hind feet are then past where the front feet began
-_STRIDES_OUT = const(8)  # landings on even ground, two of each leg, from which the crawl strides out
-_SURE = const(3)  # landings on a slope until the next is expected there
+TROT_LANDINGS = const(16)  # landings on even ground: the hind feet are then past where the front feet began
+_LONG_STRIDE_LANDINGS = const(8)  # landings on even ground, two of each leg, from which on strides are long
+_SLOPE_LANDINGS = const(3)  # landings on a slope until the next is expected there
 
 
 @hot
@@ -21,16 +21,16 @@ def note_landing(crawl: Crawl, leg: int) -> int:
     Even is within a third of a drop's depth (8 mm of a leg of 240 mm) of a slope along the way: the trot's own
     measure.
     """
-    even = crawl.even
-    even.landed = even.landed + 1 & 0xFFFFFF
-    even.even_steps += 1
-    if off_even(crawl, leg) > crawl.params.crawl.drop_depth // 3:
-        even.even_steps = 0
-    return even.even_steps
+    ground = crawl.ground
+    ground.landings = ground.landings + 1 & 0xFFFFFF
+    ground.even_landings += 1
+    if unevenness(crawl, leg) > crawl.params.crawl.drop_depth // 3:
+        ground.even_landings = 0
+    return ground.even_landings
 
 
 @hot
-def off_even(crawl: Crawl, leg: int) -> int:
+def unevenness(crawl: Crawl, leg: int) -> int:
     """Return how far the footholds' heights spread about their slope, and a front ``leg``'s step is off it, lu.
 
     A robot astride an edge stands on a slope too, but its front feet do not go on along it.
@@ -59,17 +59,17 @@ def off_even(crawl: Crawl, leg: int) -> int:
 
 
 @hot
-def ground_even(even: Evenness) -> int:
+def even_for_trot(ground: Ground) -> int:
     """Return 1 when all footholds have been even and found at once for four strides, a body's length; else 0."""
-    if even.even_steps >= LEGS_EVEN:
+    if ground.even_landings >= TROT_LANDINGS:
         return 1
     return 0
 
 
 @hot
-def strides_out(even: Evenness) -> int:
-    """Return 1 where the crawl strides out, on even ground: its strides are longer and its motions quicker; else 0."""
-    if even.even_steps >= _STRIDES_OUT:
+def long_strides(ground: Ground) -> int:
+    """Return 1 where the strides are long and the motions quick: on even ground; else 0."""
+    if ground.even_landings >= _LONG_STRIDE_LANDINGS:
         return 1
     return 0
 
@@ -77,7 +77,7 @@ def strides_out(even: Evenness) -> int:
 @hot
 def stride_lf(crawl: Crawl) -> int:
     """Return the stride, how far each leg steps in a round of all four, lf."""
-    if strides_out(crawl.even):
+    if long_strides(crawl.ground):
         return crawl.params.crawl.long_stride << LF_BITS
     return crawl.params.crawl.stride << LF_BITS
 
@@ -112,7 +112,7 @@ def expected_rise(crawl: Crawl, ahead_lf: int) -> int:
 
     It slopes if the last landings were even and the rise is above a sixth of a drop (4 mm of a leg of 240 mm).
     """
-    if crawl.even.even_steps < _SURE:
+    if crawl.ground.even_landings < _SLOPE_LANDINGS:
         return 0
     rise = -off_slope(ahead_lf, 0, feet_length(crawl.map), feet_rise(crawl.map))
     least = crawl.params.crawl.drop_depth // 6
