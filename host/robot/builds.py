@@ -14,7 +14,7 @@ from .scale import attitude_block, core_params
 
 
 def unbuildable(robot: Robot) -> Iterator[str]:
-    """Yield a sentence for each part that can't be built: the planner, its gaits, the plane, the joints' blocks and gains."""
+    """Yield a sentence for each part that can't be built: planner, gaits, the plane, the joints' blocks and gains."""
     for build in (_planner, planar_robot, attitude_block, _joints):
         try:
             build(robot)
