@@ -8,7 +8,7 @@ from pathlib import Path
 from ..robot.actuators import Servo
 from ..robot.file import load_robot
 from ..robot.rewrite import NewValue, rewritten
-from ..util.files import write_text
+from ..util.files import read_text, write_text
 
 # The comment of a key that the file lacks.
 KEYS = {
@@ -57,7 +57,7 @@ def copy_with(source: Path, target: Path, servo: Servo, found: Mapping[str, Meas
 
 def write_checked(source: Path, target: Path, values: Mapping[str, NewValue]) -> None:
     """Write a copy of a robot file with these values, and check that it can be used; never leaves a bad copy."""
-    text = rewritten(source.read_text(encoding="utf-8"), values, "measured")
+    text = rewritten(read_text(source), values, "measured")
     draft = target.with_name(f".{target.stem}.checked.toml")
     try:
         write_text(draft, text)

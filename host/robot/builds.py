@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from shared.gait.gaits import GAITS, gait_for
 
 from ..util.errors import UserError
-from .actuators import Bldc
-from .joint_gains import joint_blocks
+from .actuators import Bldc, CanBus
+from .joint_gains import impedance_gains, joint_blocks
 from .joint_setups import joint_setups
 from .model import Robot
 from .plane import planar_robot
@@ -14,7 +14,7 @@ from .scale import attitude_block, core_params
 
 
 def unbuildable(robot: Robot) -> Iterator[str]:
-    """Yield a sentence for each part that can't be built: the planner, its gaits, the plane, the joints' blocks."""
+    """Yield a sentence for each part that can't be built: planner, gaits, the plane, the joints' blocks and gains."""
     for build in (_planner, planar_robot, attitude_block, _joints):
         try:
             build(robot)
@@ -35,3 +35,5 @@ def _joints(robot: Robot) -> None:
     if isinstance(robot.actuator, Bldc):
         for setup in dict.fromkeys(joint_setups(robot)):
             joint_blocks(robot.actuator, setup)
+        if isinstance(robot.bus, CanBus) and robot.bus.loops == "impedance":
+            impedance_gains(robot.actuator)

@@ -8,14 +8,16 @@ from typing import Self
 
 from ..control.arbiter import Client
 from ..control.messages import Message
+from ..util.leave import LEAVE_SIGNALS
 
-# A closed terminal or a broken ssh sends SIGHUP.
-LEAVE_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 CHUNK = 64
 
 
 class Leaving:
-    """An input of the hub that only wakes it; ``again`` is called at every signal after the first."""
+    """An input of the hub that only wakes it; ``again`` is called at every signal after the first.
+
+    A SIGHUP that is ignored stays ignored, as nohup needs; Ctrl-C is always heard.
+    """
 
     client = Client("keyboard")
 
@@ -41,7 +43,8 @@ class Leaving:
             self._again()
 
     def __enter__(self) -> Self:
-        self._before = {number: signal.signal(number, self._count) for number in LEAVE_SIGNALS}
+        not_ignored = [number for number in LEAVE_SIGNALS if signal.getsignal(number) != signal.SIG_IGN]
+        self._before = {number: signal.signal(number, self._count) for number in (signal.SIGINT, *not_ignored)}
         self._woke = signal.set_wakeup_fd(self._theirs.fileno(), warn_on_full_buffer=False)
         return self
 

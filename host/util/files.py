@@ -46,7 +46,12 @@ def file_name(foreign: str) -> str:
 
 def read_toml(path: Path) -> dict[str, Any]:
     """Return the tables of a TOML file; OSError if it can't be read, ValueError if it is not TOML."""
-    return parse_toml(path.read_bytes().decode())
+    return parse_toml(read_text(path))
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a UTF-8 file, without the mark that some editors put before it."""
+    return path.read_text(encoding="utf-8-sig")
 
 
 def parse_toml(text: str) -> dict[str, Any]:

@@ -31,3 +31,20 @@ def heard_signals() -> Iterator[list[int]]:
     finally:
         for number in mine:
             signal.signal(number, signal.SIG_DFL)
+
+
+@contextmanager
+def leaving_later() -> Iterator[None]:
+    """Let SIGTERM and SIGHUP wait for the end of the block: for what can't be left half-way."""
+    late: list[int] = []
+    before = {number: signal.getsignal(number) for number in LEAVE_SIGNALS}
+    heard = [number for number in LEAVE_SIGNALS if callable(before[number])]
+    for number in heard:
+        signal.signal(number, lambda number, frame: late.append(number))
+    try:
+        yield
+    finally:
+        for number in heard:
+            signal.signal(number, before[number])
+        for due in late:
+            signal.raise_signal(due)

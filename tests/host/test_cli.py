@@ -253,6 +253,17 @@ def test_an_output_that_takes_nothing_is_told_in_a_line(arguments):
     assert "No space left on device" in one_line(done.stderr)
 
 
+@pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
+def test_a_stream_that_came_closed_costs_no_result(tmp_path, closed):
+    """Each None in sys ended a command in a traceback: stdout with all of them, stderr where one shows progress."""
+    pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
+    shell = f'exec "$0" -m caramelo walk --distance 0.05 --out "$1" {closed}'
+    ran = subprocess.run(["sh", "-c", shell, sys.executable, tmp_path], capture_output=True, text=True, cwd=ROOT)
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert (tmp_path / "walk.json").exists()
+
+
+
 def test_what_the_system_refuses_is_a_line(run, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device", "/tmp/x")

@@ -19,6 +19,7 @@ from ...robot.model import Robot
 from ...robot.rewrite import NewValue, rewritten, sources, spreads
 from ...robot.trot_tuning import GAIT, NUMBERS
 from ...util.errors import UserError
+from ...util.files import read_text
 
 OURS = ("chosen", "tuned")  # sources of values that may be changed
 DIGITS = 4  # of a value in the file, and so in its trials
@@ -58,7 +59,7 @@ class RobotFile:
     def __init__(self, name_or_path: str) -> None:
         self.path: Path = find(name_or_path)
         self.robot = load_robot(name_or_path)
-        self.text = self.path.read_text(encoding="utf-8")
+        self.text = read_text(self.path)
         self.spreads = spreads(self.text)
         self._data = read_toml(self.path)
 

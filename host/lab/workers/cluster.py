@@ -20,6 +20,7 @@ from distributed.client import FutureCancelledError
 from distributed.comm import CommClosedError
 
 from ...util.errors import NOT_ACHIEVED, UserError
+from ...util.leave import leaving_later
 from ...util.progress import write_step
 from .remote import OtherVersionsError, run_task, told_versions
 from .versions import differences, versions
@@ -109,10 +110,13 @@ def _unlike(who: str, difference: str) -> UserError:
 def local_cluster(jobs: int) -> Iterator[Cluster]:
     """Yield ``jobs`` processes of this computer; they end with the block."""
     with _ctrl_c_for_this_process_only():
-        made = LocalCluster(
-            n_workers=jobs, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address="127.0.0.1:0",
-            memory_limit=0, silence_logs=logging.CRITICAL,
-        )
+        try:
+            made = LocalCluster(
+                n_workers=jobs, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address="127.0.0.1:0",
+                memory_limit=0, silence_logs=logging.CRITICAL,
+            )
+        except RuntimeError as error:
+            raise UserError(f"--jobs {jobs}: a process ended while it started: ask for fewer", NOT_ACHIEVED) from error
     with _unlogged(), made, made.get_client() as client:
         yield Cluster(client, None)
 
@@ -164,10 +168,14 @@ def _unlogged() -> Iterator[None]:
 
 @contextmanager
 def _ctrl_c_for_this_process_only() -> Iterator[None]:
-    """Start the block's processes with Ctrl-C ignored, which a terminal sends to all: this process ends them."""
+    """Start the block's processes with Ctrl-C ignored, which a terminal sends to all: this process ends them.
+
+    It hears nothing itself until they have started: dask can't end those that it is starting.
+    """
     resource_tracker.ensure_running()  # started later, it would let Ctrl-C in again
     held = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
     try:
-        yield
+        with leaving_later():
+            yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, held)

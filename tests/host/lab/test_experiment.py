@@ -352,20 +352,23 @@ def test_export_writes_the_files(run, tmp_path):
                                    "bytes": len(target.read_bytes())}
 
 
-def test_ctrl_c_leaves_nothing_half_written(tmp_path):
-    """Interrupted while trials run in two processes: exit code 130, one line, no file."""
+@pytest.mark.parametrize(("number", "children", "last"), [
+    (signal.SIGINT, 3, "stopped by Ctrl-C"), (signal.SIGTERM, 2, "stopped by SIGTERM"),
+])  # fmt: skip
+def test_a_signal_leaves_nothing_half_written(tmp_path, number, children, last):
+    """While trials run in two processes (and Python's own helper), or one of these still starts: one line, no file."""
     pytest.importorskip("distributed", reason="dask.distributed is not installed (extra lab)")
     target = tmp_path / "out"
     process = subprocess.Popen(
         [CARAMELO, "experiment", "ramp", "--gait", "paper-trot", "--jobs", "2", "--no-3d", "--out", target],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, preexec_fn=hear_signals,
     )
-    wait_until(lambda: len(children_of(process.pid)) >= 3, "two workers and Python's own helper")
-    os.killpg(process.pid, signal.SIGINT)
+    wait_until(lambda: len(children_of(process.pid)) >= children, "the workers")
+    os.killpg(process.pid, number)
     out, err = process.communicate(timeout=PATIENCE_S)
-    assert process.returncode == 130
+    assert process.returncode == 128 + number
     told = err.splitlines()
-    assert told.pop() == "caramelo: stopped by Ctrl-C"
+    assert told.pop() == f"caramelo: {last}"
     assert all(line.startswith("ramp (paper-trot): ") for line in told)
     assert out == ""
     assert not target.exists()

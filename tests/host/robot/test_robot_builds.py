@@ -162,6 +162,7 @@ def test_a_robot_too_heavy_for_its_servos_is_refused_in_physical_terms(tmp_path)
         ("parallel", {"ratio": 1.1}, "calf_drive.ratio: value 1.1: allowed: 1 for"),
         ("parallel", {"pwm_hz": 10000}, "actuator.drive.pwm_hz 10000: allowed 12000"),
         ("parallel", {"pole_pairs": 50}, "actuator.motor.inductance_H: gives"),
+        ("parallel", {"rotor_inertia_kg_m2": 1.2e-4}, "actuator.drive.velocity_bandwidth_hz 30: gives a stiffness"),
         ("parallel", {"inductance_H": 1e-5}, "actuator.motor.inductance_H 1e-05: the PWM ripple"),
     ],
 )

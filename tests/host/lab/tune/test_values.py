@@ -73,3 +73,13 @@ def test_the_written_copy_is_the_robot_that_was_tried(tmp_path):
     assert {each.key: each.now for each in again.searched(GAIT, True)} == values
     assert {(each.key, each.low, each.high) for each in again.searched(GAIT, True)} == {
         (each.key, each.low, each.high) for each in searched}
+
+
+def test_a_file_with_a_byte_order_mark_is_read_and_written_like_any(tmp_path):
+    """Some editors put it before UTF-8, and end lines otherwise."""
+    path, copy = tmp_path / "marked.toml", tmp_path / "copy.toml"
+    path.write_text((FOLDER / "solo12.toml").read_text(), encoding="utf-8-sig", newline="\r\n")
+    file = RobotFile(str(path))
+    assert file.robot == load_robot("solo12")
+    copy.write_text(file.rewritten([], {}))
+    assert load_robot(str(copy)) == file.robot
