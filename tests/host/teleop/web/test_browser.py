@@ -334,10 +334,14 @@ def test_a_real_robot_is_no_simulation(open_page):
 def test_the_way_and_the_speeds_are_told(teleop, open_page):
     page = open_page()
     start_m = teleop.status()["odometry"][0]
-    driven(teleop, key(page, "w"), lambda status: status["odometry"][0] > start_m + 0.05)
-    playwright.expect(page.locator("#speed")).to_contain_text("ahead 0.15 \N{RIGHTWARDS ARROW} 0.1")
+    speeds = re.compile("ahead 0.15 \N{RIGHTWARDS ARROW} 0.(0[1-9]|1)")  # on a busy machine it walks more slowly
+
+    def told(status):
+        return status["odometry"][0] > start_m + 0.05 and speeds.match(page.locator("#speed").inner_text())
+
+    driven(teleop, key(page, "w"), told)
     playwright.expect(page.locator("#walked")).not_to_have_text("0.00 m")
-    playwright.expect(page.locator("#place")).to_contain_text("ahead 0.")
+    playwright.expect(page.locator("#place")).to_have_text(re.compile(r"ahead -?\d+\.\d\d m, left"))
     page.keyboard.up("w")
 
 
