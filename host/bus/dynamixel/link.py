@@ -6,9 +6,9 @@ status bits, so this module collects the answers itself: each one counts separat
 
 import termios
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import serial
 from dynamixel_sdk import BROADCAST_ID, COMM_RX_TIMEOUT, COMM_SUCCESS
@@ -27,6 +27,7 @@ from .table import Register
 # Outside the control loop a busy machine may be late; a scan asks 253 ids, most of them in vain.
 PATIENCE_MS, PING_PATIENCE_MS = 30.0, 8.0
 RETRIES = 5  # at 4 % lost or damaged packets one exchange in ten million fails
+Answered = TypeVar("Answered")
 
 
 class ServoError(UserError):
@@ -92,28 +93,45 @@ class Link:
 
     def read(self, servo: int, register: Register) -> int:
         """Return a register; Silent after a few tries."""
-        with self.patient(PATIENCE_MS):
-            for _ in range(RETRIES):
-                args = (self.port, servo, register.address, register.size)
-                data, result, _ = self._guard(self.packets.readTxRx, *args)
-                if self._count(result) and len(data) == register.size:
-                    return t.unpack(register, data, register.address)
-                self._drain()
-        raise Silent(servo)
+        args = (self.port, servo, register.address, register.size)
+
+        def ask() -> int | None:
+            data, result, _ = self._guard(self.packets.readTxRx, *args)
+            return t.unpack(register, data, register.address) if self._count(result) else None
+
+        value = self._persist(ask)
+        if value is None:
+            raise Silent(servo)
+        return value
 
     def write(self, servo: int, register: Register, value: int) -> None:
         """Write a register; ServoError if the servo does not confirm it."""
-        data, error = t.pack(register, value), 0
-        with self.patient(PATIENCE_MS):
-            for _ in range(RETRIES):
-                args = (self.port, servo, register.address, register.size, data)
-                result, error = self._guard(self.packets.writeTxRx, *args)
-                if self._count(result) and not self.refusal(error):
-                    return
-                self._drain()
-        why = self.refusal(error)
+        args, why = (self.port, servo, register.address, register.size, t.pack(register, value)), ""
+
+        def ask() -> bool | None:
+            nonlocal why
+            result, error = self._guard(self.packets.writeTxRx, *args)
+            why = self.refusal(error)
+            return (self._count(result) and not why) or None
+
+        if self._persist(ask):
+            return
         self.counters.refused += bool(why)
         raise ServoError(f"servo id {servo} refuses: {why}") if why else Silent(servo)
+
+    def _persist(self, ask: Callable[[], Answered | None]) -> Answered | None:
+        """Ask until there is an answer; None after a few tries.
+
+        Packets have no numbers: an answer to a try that was given up would be taken for that to the next question.
+        """
+        with self.patient(PATIENCE_MS):
+            for tries in range(RETRIES):
+                answer = ask()
+                if answer is None or tries > 0:
+                    self._drain()
+                if answer is not None:
+                    return answer
+        return None
 
     def set_up(self, servo: int, name: str, settings: Iterable[tuple[Register, int]]) -> None:
         """Let go of a servo and write only settings that differ, as writing wears them. ServoError if it tripped."""
@@ -137,13 +155,13 @@ class Link:
         """Restart a servo, which clears a trip."""
         if self.protocol == 1.0:
             raise UserError("protocol 1.0 can't restart a servo: switch its power off and on")
-        with self.patient(PATIENCE_MS):
-            for _ in range(RETRIES):
-                result, _ = self._guard(self.packets.reboot, self.port, servo)
-                if self._count(result):
-                    return
-                self._drain()
-        raise Silent(servo)
+
+        def ask() -> bool | None:
+            result, _ = self._guard(self.packets.reboot, self.port, servo)
+            return self._count(result) or None
+
+        if self._persist(ask) is None:
+            raise Silent(servo)
 
     @contextmanager
     def patient(self, patience_ms: float) -> Iterator[None]:
@@ -155,7 +173,7 @@ class Link:
             self.port.patience_ms = former
 
     def _drain(self) -> None:
-        """Let a late answer pass: packets have no numbers, so it would be taken for the next one."""
+        """Let late answers pass."""
         time.sleep(self.port.patience_ms / 1000 if self.port.is_real else 0.0)
         self._guard(self.port.clearPort)
 

@@ -27,6 +27,9 @@ STOPS_PER_S, STOP_BURST = 10.0, 5
 STOP_EVERY_S = 0.01  # stops closer together than this, from any pages, count as one
 PATIENCE = 200  # messages beyond the limit before the server hangs up on a page
 HEARTBEAT_S = 5.0
+# A page says so of each status; only then it gets the next one. What waits in the system's buffers can't be replaced by
+# something newer: a page slower than the robot's 20 a second fell behind by a second every few seconds.
+SEEN = '{"type":"seen"}'
 COOKIE = "caramelo"
 KEPT_S = 365 * 24 * 3600  # a browser keeps its pairing
 HEADERS = {
@@ -50,6 +53,7 @@ class Page:
         self.stops = Bucket(STOPS_PER_S, STOP_BURST)
         self.excess = 0
         self._news: dict[str, str] = {}
+        self._seen = True  # the last status
         self._wake = asyncio.Event()
 
     def tell(self, kind: str, text: str) -> None:
@@ -57,14 +61,20 @@ class Page:
         self._news[kind] = text
         self._wake.set()
 
+    def see(self) -> bool:
+        """Note that the page has seen the last status; False if it has said so already."""
+        news, self._seen = not self._seen, True
+        self._wake.set()
+        return news
+
     async def send_news(self) -> None:
         """Send what is new until the page is gone."""
         while not self.socket.closed:
             await self._wake.wait()
             self._wake.clear()
-            news, self._news = self._news, {}
-            for text in news.values():
-                await self.socket.send_str(text)
+            for kind in [kind for kind in self._news if kind != "status" or self._seen]:
+                self._seen = self._seen and kind != "status"
+                await self.socket.send_str(self._news.pop(kind))
 
 
 class Stops:
@@ -241,6 +251,8 @@ class Server:
 
     def _take(self, page: Page, text: str) -> bool:
         """Pass on a message; False if it is not a message, or far beyond the limit."""
+        if text == SEEN:
+            return page.see()
         try:
             message = parse(text, self._keys)
         except BadMessage:

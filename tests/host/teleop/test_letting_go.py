@@ -13,8 +13,9 @@ from tests.waiting import PATIENCE_S
 
 from .hanging import driving
 
-AIMED_AT_S = 0.025
-BUSY = 5  # a machine with other work is given so much more
+# Nothing was waited for: to sit down takes the robot 2.6 s, and what hangs is given END_S, 6 s. What is aimed at is
+# 25 ms, which a busy machine does not reach; `caramelo bench --teleop` measures it.
+AT_ONCE_S = 1.0
 
 
 def let_go(drive):
@@ -41,7 +42,7 @@ def test_the_second_ctrl_c_lets_go_before_anything_is_closed(tmp_path, monkeypat
             drive.hang(what)
         took_s = let_go(drive)
         print(f"hanging {hung}: torque off after {1000 * took_s:.1f} ms")
-        assert took_s < BUSY * AIMED_AT_S
+        assert took_s < AT_ONCE_S
         ended_s = time.monotonic()
         drive.process.communicate(timeout=PATIENCE_S)
         print(f"ended after {time.monotonic() - ended_s:.1f} s")
@@ -54,7 +55,7 @@ def test_it_ends_though_nobody_takes_its_output(tmp_path, monkeypatch):
         with contextlib.suppress(BlockingIOError):
             while True:
                 os.write(filler, bytes(65536))
-        assert let_go(drive) < BUSY * AIMED_AT_S
+        assert let_go(drive) < AT_ONCE_S
         assert drive.process.wait(PATIENCE_S) == -signal.SIGALRM
         os.close(filler)
 

@@ -10,7 +10,9 @@ export function connect(receive, lost) {
   socket = new WebSocket(`ws://${location.host}/ws`);
   socket.onmessage = (event) => {
     heardMs = performance.now();
-    receive(JSON.parse(event.data));
+    const message = JSON.parse(event.data);
+    receive(message);
+    if (message.type === "status") send({ type: "seen" }); // only then the next one comes
   };
   socket.onclose = () => {
     lost();

@@ -2,6 +2,7 @@
 
 from dynamixel_sdk import COMM_RX_TIMEOUT, COMM_SUCCESS
 
+from host.bus.dynamixel import table as t
 from host.bus.dynamixel.link import PATIENCE_MS, Link
 
 
@@ -62,3 +63,37 @@ def test_a_servo_that_should_be_there_is_asked_with_more_patience_before_it_is_m
     monkeypatch.setattr(link.packets, "ping", slow)
     assert (link.ping(3), link.ping_patiently(3)) == (None, 30)
     assert link.port.patience_ms == 0.0
+
+
+class Dozing:
+    """A servo that sleeps through its first question, and answers all it was asked together with the second.
+
+    What is on its way then comes to the next question, unless somebody waits for it and clears the line.
+    """
+
+    def __init__(self, link, monkeypatch):
+        self.asked, self.coming, self.here = [], [], 0
+        monkeypatch.setattr(link.packets, "readTxRx", self.read)
+        monkeypatch.setattr("host.bus.dynamixel.link.time.sleep", self.sleep)
+        monkeypatch.setattr(link.port, "clearPort", self.clear, raising=False)
+
+    def read(self, port, servo, address, size):
+        self.asked.append(address)
+        if len(self.asked) == 1:
+            return [], COMM_RX_TIMEOUT, 0
+        self.coming += self.asked if len(self.asked) == 2 else self.asked[-1:]
+        return [self.coming.pop(0), 0], COMM_SUCCESS, 0
+
+    def sleep(self, seconds):
+        self.here = len(self.coming)
+
+    def clear(self):
+        del self.coming[: self.here]
+
+
+def test_an_answer_to_a_question_that_was_asked_again_is_not_taken_for_the_next_ones(monkeypatch):
+    """On a busy machine emulated servos reported 0 V: what came was the load, which has as many bytes."""
+    link = Link(Port())
+    Dozing(link, monkeypatch)
+    assert link.read(1, t.PRESENT_LOAD) == t.PRESENT_LOAD.address
+    assert link.read(1, t.PRESENT_VOLTAGE) == t.PRESENT_VOLTAGE.address

@@ -94,7 +94,7 @@ def test_real_time_walking_with_a_bad_line_and_a_trip():
         bus.torque(True)
         cycle_until(lambda: bus.write(bus.read().position_rad), lambda _: bus.counters.lost and bus.counters.corrupted)
         emulator.ask("trip", servo=5)
-        assert cycle_until(bus.read, lambda measured: measured.error[4]).error[4] == "overload"
+        cycle_until(bus.read, lambda measured: measured.error[4] == "overload")  # at first it may be the watchdog
         parts.attitude.open()
         cycle_until(parts.attitude.update, lambda angles: angles is not None)
         assert parts.attitude.state == "ok", parts.attitude.note
@@ -143,7 +143,7 @@ def test_the_servos_own_watchdog_stops_them_and_they_go_on_holding(emulator):
     """With the guardian dead too nobody lets go: a switch has to."""
     with holder(emulator) as child:
         guardian = child_of(child.pid, "host.bus.dynamixel.guardian")
-        for process in (child.pid, guardian):
+        for process in (guardian, child.pid):  # in this order: it lets go as soon as it misses the child
             os.kill(process, signal.SIGSTOP)
         # Each does so within WATCHDOG_S by its own clock (test_bus.py); here a busy machine may be late.
         wait_until(lambda: not any(emulator.ask("state")["follows"]), "the servos stop themselves")

@@ -36,6 +36,11 @@ def teleop(tmp_path_factory):
         yield running
 
 
+def complains(line):
+    """Say whether a line of the browser's console is a complaint; a page that a test takes off the line tells that."""
+    return line.type in ("error", "warning") and "ERR_INTERNET_DISCONNECTED" not in line.text
+
+
 @pytest.fixture
 def open_page(browser, teleop):
     """Return a function that opens a page; complaints of the browser fail the test."""
@@ -46,7 +51,7 @@ def open_page(browser, teleop):
         contexts.append(context)
         page = context.new_page()
         page.on("pageerror", lambda error: complaints.append(str(error)))
-        page.on("console", lambda line: complaints.append(line.text) if line.type in ("error", "warning") else None)
+        page.on("console", lambda line: complaints.append(line.text) if complains(line) else None)
         page.on(
             "request", lambda request: request.url.startswith((teleop.url, "data:")) or complaints.append(request.url)
         )
@@ -86,10 +91,24 @@ def walks(status):
     return status["state"] == "walking" and not status["reason"]
 
 
+def driven(teleop, push, found=walks):
+    """Push a stick and hold it until ``found``; return the status.
+
+    A page that a busy machine halts for 3 s has lost the controls, and a stick held still since then does nothing: it
+    is pushed again.
+    """
+    push()
+    return teleop.wait(lambda status: found(status) or (status["driver"] is None and push()))
+
+
+def key(page, name):
+    """Return how a key is pressed and held down."""
+    return lambda: page.keyboard.up(name) or page.keyboard.down(name)
+
+
 def test_drive_by_keyboard_and_stop(teleop, open_page):
     page = open_page()
-    page.keyboard.down("w")
-    status = teleop.wait(walks)
+    status = driven(teleop, key(page, "w"))
     assert status["speed"][0] > 0
     assert status["driver"] == ["web", status["driver"][1]]
     playwright.expect(page.locator("#reason")).to_have_text("moving as commanded")
@@ -109,8 +128,7 @@ def test_drive_by_keyboard_and_stop(teleop, open_page):
 
 def test_a_released_key_stops(teleop, open_page):
     page = open_page()
-    page.keyboard.down("a")
-    assert teleop.wait(walks)["speed"][2] > 0
+    assert driven(teleop, key(page, "a"))["speed"][2] > 0
     page.keyboard.up("a")
     teleop.wait(lambda status: status["reason"] == "the sticks are at rest")
     teleop.wait(lambda status: status["state"] == "standing")
@@ -130,8 +148,8 @@ def test_touch_sticks_and_stop_button_on_a_phone(teleop, open_page, viewport, sc
     x, y = _middle(page.locator("#walk"))
     page.mouse.move(x, y)
     page.mouse.down()
-    page.mouse.move(x, y - 40, steps=4)
-    assert teleop.wait(walks)["speed"][0] > 0
+    status = driven(teleop, lambda: page.mouse.move(x, y) or page.mouse.move(x, y - 40, steps=4))
+    assert status["speed"][0] > 0
     page.screenshot(path=tmp_path / "phone.png")
     assert (tmp_path / "phone.png").stat().st_size > 5000
     page.touchscreen.tap(*_middle(page.locator("#stop")))
@@ -158,15 +176,15 @@ def test_a_pose_out_of_reach_is_told_on_the_page(teleop, open_page):
 
 def test_a_second_page_watches_and_may_stop(teleop, open_page):
     first, second = open_page(), open_page(PHONE, touch=True)
-    first.keyboard.down("w")
-    driver = teleop.wait(walks)["driver"]
-    second.wait_for_selector("#take:disabled")
-    assert second.locator("#driver").inner_text() == f"web {driver[1]}"
+    shown = second.locator("#driver")
+    seen = lambda status: walks(status) and shown.inner_text() == f"web {status['driver'][1]}"  # noqa: E731
+    driver = driven(teleop, key(first, "w"), seen)["driver"]
+    playwright.expect(second.locator("#take")).to_be_disabled()
     second.keyboard.down("s")
 
-    def never_the_second():  # whose key goes back; the first one's command may come late, and be 0
+    def never_the_second():  # whose key goes back; the first one's command may come late, and be 0, or none
         status = teleop.status()
-        return status["driver"] == driver and status["speed"][0] >= 0
+        return status["driver"] in (driver, None) and status["speed"][0] >= 0
 
     assert stays(never_the_second, 0.3)
     second.keyboard.press("Space")
@@ -176,8 +194,7 @@ def test_a_second_page_watches_and_may_stop(teleop, open_page):
 
 def test_a_lost_connection_stops_the_robot(teleop, open_page):
     page = open_page()
-    page.keyboard.down("w")
-    teleop.wait(walks)
+    driven(teleop, key(page, "w"))
     page.context.set_offline(True)
     page.close()
     status = teleop.wait(lambda status: status["driver"] is None)
@@ -188,13 +205,13 @@ def test_a_lost_connection_stops_the_robot(teleop, open_page):
 
 def test_a_page_that_hangs_stops_the_robot(teleop, open_page):
     page = open_page()
-    page.keyboard.down("w")
-    teleop.wait(walks)
+    driven(teleop, key(page, "w"))
     debugger = page.context.new_cdp_session(page)
     debugger.send("Debugger.enable")
     debugger.send("Debugger.pause")  # its next line of script waits until it is let go on
     status = teleop.wait(lambda status: not status["fresh"])
-    assert status["reason"].startswith("no command from web")
+    assert status["reason"].startswith("no command from web") or status["driver"] is None  # it has left after 3 s
+    teleop.wait(lambda status: status["state"] == "standing")
     debugger.send("Debugger.resume")
     page.keyboard.up("w")
 
@@ -236,13 +253,11 @@ def test_a_gait_that_is_not_advised_is_marked_with_the_reason(teleop, open_page)
 
 def test_the_speed_is_nothing_while_the_robot_does_not_walk(teleop, open_page):
     page = open_page()
-    page.keyboard.down("w")
-    assert teleop.wait(walks)["speed"][0] > 0
+    assert driven(teleop, key(page, "w"))["speed"][0] > 0
     page.keyboard.press("Space")
     assert teleop.wait(lambda status: status["stop"])["speed"] == [0, 0, 0]
     page.keyboard.up("w")
-    page.keyboard.down("s")
-    status = teleop.wait(lambda status: status["driver"] and status["fresh"])
+    status = driven(teleop, key(page, "s"), lambda status: status["driver"] and status["fresh"])
     assert (status["armed"], status["speed"]) == (False, [0, 0, 0])
     page.keyboard.up("s")
 
@@ -252,7 +267,8 @@ def test_a_browsers_gamepad(teleop, open_page):
     page.evaluate("pad.axes[1] = -1")
     assert stays(lambda: teleop.status()["driver"] is None, 0.3), "the dead-man button is not held"
     page.evaluate("pad.buttons[4].pressed = true")
-    assert teleop.wait(walks)["speed"][0] > 0
+    status = driven(teleop, lambda: page.evaluate("pad.axes[1] = -1 + 0.1 * Math.random()"))
+    assert status["speed"][0] > 0
     page.evaluate("pad.buttons[1].pressed = true")
     teleop.wait(lambda status: status["stop"])
     page.evaluate("pad.buttons[4].pressed = false")
@@ -318,11 +334,14 @@ def test_a_real_robot_is_no_simulation(open_page):
 def test_the_way_and_the_speeds_are_told(teleop, open_page):
     page = open_page()
     start_m = teleop.status()["odometry"][0]
-    page.keyboard.down("w")
-    teleop.wait(lambda status: status["odometry"][0] > start_m + 0.05)
-    playwright.expect(page.locator("#speed")).to_contain_text("ahead 0.15 \N{RIGHTWARDS ARROW} 0.1")
+    speeds = re.compile("ahead 0.15 \N{RIGHTWARDS ARROW} 0.(0[1-9]|1)")  # on a busy machine it walks more slowly
+
+    def told(status):
+        return status["odometry"][0] > start_m + 0.05 and speeds.match(page.locator("#speed").inner_text())
+
+    driven(teleop, key(page, "w"), told)
     playwright.expect(page.locator("#walked")).not_to_have_text("0.00 m")
-    playwright.expect(page.locator("#place")).to_contain_text("ahead 0.")
+    playwright.expect(page.locator("#place")).to_have_text(re.compile(r"ahead -?\d+\.\d\d m, left"))
     page.keyboard.up("w")
 
 
@@ -333,9 +352,8 @@ def test_full_stick_is_the_gaits_own_limit_and_what_is_beyond_is_told(teleop, op
     for gait in ("trot", "paper-trot"):
         page.locator("#gait").select_option(gait)
         fastest = teleop.wait(lambda status, gait=gait: status["gait"] == gait)["fastest"]
-        page.keyboard.down("w")
         full = pytest.approx(fastest[0], rel=0.02)
-        teleop.wait(lambda status, full=full: walks(status) and status["speed"][0] == full)
+        driven(teleop, key(page, "w"), lambda status, full=full: walks(status) and status["speed"][0] == full)
         most[gait] = fastest[0]
         page.keyboard.up("w")
         teleop.wait(lambda status: status["state"] == "standing")
@@ -520,8 +538,7 @@ def test_in_space_a_ground_is_chosen_and_goes_by(browser, tmp_path):
         playwright.expect(page.locator("#ground")).to_be_disabled()
         assert page.locator("#ground").get_attribute("title").startswith("switch the joints off first")
         before = drawn(page, "#view")
-        page.keyboard.down("d")
-        teleop.wait(lambda status: status["place"][3] < -0.1)  # in the plane it could not turn
+        driven(teleop, key(page, "d"), lambda status: status["place"][3] < -0.1)  # in the plane it could not turn
         page.keyboard.up("d")
         assert drawn(page, "#view")[1] != before[1]
         page.close()

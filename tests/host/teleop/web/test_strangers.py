@@ -19,7 +19,7 @@ from host.lab.teleop.watched import free_port
 from host.teleop.hub import Hub
 from host.teleop.side import PAGE, SideProcess
 from host.teleop.web.door import CONNECTIONS_PER_S, MOST, Door, listen
-from host.teleop.web.server import STOP_EVERY_S, Stops
+from host.teleop.web.server import STOP_EVERY_S, Page, Stops
 from tests.waiting import wait_until
 
 NOBODY = 65534
@@ -265,6 +265,41 @@ def test_beyond_this_machine_a_code_is_needed(house):
             socket = await session.ws_connect(f"{house.url}/ws", origin=house.url)
             assert (await socket.receive_json())["type"] == "hello"
             await socket.close()
+
+    run(look())
+
+
+class Told:
+    """A page's socket; what is sent waits in a queue."""
+
+    closed = False
+
+    def __init__(self):
+        self._sent = asyncio.Queue()
+        self.send_str = self._sent.put
+
+    async def next(self):
+        return await asyncio.wait_for(self._sent.get(), PATIENCE_S)
+
+
+def test_a_page_gets_no_status_before_it_has_seen_the_last_one_and_then_the_newest():
+    """A page on a busy machine showed the robot of 8 s ago, and no longer knew that it drives."""
+
+    async def look():
+        told = Told()
+        page = Page(1, "somebody", told, None)
+        sending = asyncio.create_task(page.send_news())
+        page.tell("status", "first")
+        assert await told.next() == "first"
+        page.tell("status", "second")
+        page.tell("pong", "its pong")
+        assert await told.next() == "its pong", "nothing else waits"
+        page.tell("status", "third")
+        assert page.see()
+        assert await told.next() == "third"
+        assert page.see()
+        assert not page.see(), "it says so once"
+        sending.cancel()
 
     run(look())
 
