@@ -3,7 +3,7 @@
 The tilt comes from the attitude filter as R = Rx(roll) Ry(pitch), the heading about the world's z is in
 front of it, so a foot of the map is at b + Rz(heading) Rx Ry (hip + leg). For the small tilts of a walk this
 is the ROS order but for roll times pitch. Stance feet stay where they are in the map, except that a round
-foot rolls when its calf_pitch turns and that a foot which has slipped is followed slowly.
+foot rolls when its calf turns and that a foot which has slipped is followed slowly.
 """
 
 from ..body.params import CALF, FL, FR, LEGS, LF_BITS, RL, RR, THIGH

@@ -14,7 +14,9 @@ from shared.trot.react import EARLY, EARLY_NOW, choose_lift, count_held_up, coun
 from shared.trot.state import CYCLE_Q20, Trot
 from shared.trot.trot import trot_start
 
-from .test_twin import UNEVEN_Q4, Pair
+from .test_twin import Pair
+
+UNEVEN_Q4 = 1024 << 4  # lu: stairs
 
 
 @pytest.fixture
@@ -94,7 +96,7 @@ def test_swings_held_up_in_a_row_are_counted_for_the_front_and_the_hind_feet(pai
     (0.06, 0.1, 0.0, 0.5, EARLY, 100, False),  # once a landing
     (0.06, 0.1, 0.0, 0.5, 0, 1, False),  # nothing is measured yet
 ])
-def test_a_foot_that_landed_on_higher_ground_takes_it_as_it_is(pair, high, down, falls, stood, met_before, known, taken):
+def test_a_foot_that_lands_high_takes_the_ground_as_it_is(pair, high, down, falls, stood, met_before, known, taken):
     """``high`` above where it was sent, ``down`` from its top, of the leg; ``falls``: of a swing's mean fall.
 
     ``stood``: of the time in which it may tell.
