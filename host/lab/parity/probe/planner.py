@@ -58,7 +58,7 @@ def restart(robot: Planner):
     own += (trot.state, trot.measured, trot.before, trot.residual_x, trot.residual_z, trot.joints)
     own += (trot.expected_x_q4, trot.expected_z_q4, trot.past_x, trot.past_z)
     own += (trot.early_contact, trot.stance, trot.load_q12, trot.feet, trot.command)
-    own += (trot.lift_offs, trot.ascent_lag, trot.apex, trot.joints_before, trot.past_stance, trot.hip_feet)
+    own += (trot.lift_offs, trot.swing_top, trot.apex, trot.joints_before, trot.past_stance, trot.hip_feet)
     for block in (robot.status, robot.clock, robot.joints, robot.move, robot.leg_flags, robot.goal) + own:
         clear(block)
     robot.gait = robot.gaits[0]
