@@ -71,7 +71,8 @@ def detect_held_up(params: Params, trot: Trot, leg: int) -> None:
 
     Both feet of a diagonal lag alike behind drives and bus, whether that lag is known or not. The difference that a
     load or an unknown delay leaves recurs in every swing, and counts as usual. The longer the bus delay, the further
-    behind a foot may be that still goes ahead, because its lag is known later. Intermediates: 2^16 * 2^12.
+    behind a foot may be that still goes ahead, because its lag is known later. A foot in the highest swing may just be
+    late: swings do not stay high for it. Intermediates: 2^16 * 2^12.
     """
     state = trot.state
     setup = params.trot
@@ -95,9 +96,10 @@ def detect_held_up(params: Params, trot: Trot, leg: int) -> None:
     if behind <= most or (high == 0 and behind <= most + (most * setup.late_lag_q8 >> 8) and may_be_late(trot, leg)):
         return
     trot.held_up[leg] = 1
+    if trot.apex[leg] < setup.highest_lift:
+        state.high_left = setup.high_distance
     if high == 0:
         state.held_up_count += 1
-        state.high_left = setup.high_distance
         trot.apex[leg] = setup.high_lift
 
 

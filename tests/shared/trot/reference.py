@@ -304,8 +304,10 @@ class FloatTrot:
         most += self.usual_lag[leg] + turning
         if behind > most and (high or behind > (1 + self.late) * most or not self.may_be_late(leg)):
             self.held_up[leg] = True
+            if self.apex[leg] < self.highest:
+                self.high_left = tuning.HIGH_LENGTHS * self.f.length_m
             if not high:
-                self.apex[leg], self.high_left = self.high, tuning.HIGH_LENGTHS * self.f.length_m
+                self.apex[leg] = self.high
 
     def may_be_late(self, leg):
         gone, mate_gone = (self.measured[at][0] - self.before[at][0] for at in (leg, 3 - leg))

@@ -10,7 +10,15 @@ from shared.sense.legs import MeasuredFeet
 from shared.sense.odometry import Odometry
 from shared.trot.clock import advance_legs
 from shared.trot.ground import climbs, slope_ahead_q20
-from shared.trot.react import EARLY, EARLY_NOW, choose_lift, count_held_up, count_in_row, swing_apex
+from shared.trot.react import (
+    EARLY,
+    EARLY_NOW,
+    choose_lift,
+    count_held_up,
+    count_in_row,
+    detect_held_up,
+    swing_apex,
+)
 from shared.trot.state import CYCLE_Q20, Trot
 from shared.trot.trot import trot_start
 
@@ -63,6 +71,17 @@ def test_the_next_swing_is_highest_after_one_that_was_held_up_while_swings_are_h
     state, setup, walk = pair.walk.state, pair.params.trot, pair.walk
     state.lift, state.high_left, walk.held_up[1] = setup.high_lift, high * setup.high_distance, held
     assert swing_apex(pair.params, walk, 1) == (setup.highest_lift if held and high else setup.high_lift)
+
+
+@pytest.mark.parametrize(("apex", "renewed"), [("low_lift", True), ("high_lift", True), ("highest_lift", False)])
+def test_a_held_up_foot_keeps_swings_high_but_not_one_that_is_late_in_the_highest_swing(pair, apex, renewed):
+    state, setup, walk = pair.walk.state, pair.params.trot, pair.walk
+    state.high_left, state.foot_speed.x, state.swing_q15 = 1, 1000, 20000
+    walk.apex[1], walk.residual_x[1] = getattr(setup, apex), -pair.params.leg_length // 4
+    detect_held_up(pair.params, walk, 1)
+    assert walk.held_up[1]
+    assert walk.apex[1] == max(getattr(setup, apex), setup.high_lift)
+    assert state.high_left == (setup.high_distance if renewed else 1)
 
 
 @pytest.mark.parametrize(("swings", "rows"), [
