@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..util.console import print_table, progress, say, screen, tell_written, write_json, write_note
+from ..util.console import print_table, progress, say, screen, tell_written, write_error, write_json, write_note
 from ..util.errors import NOT_ACHIEVED, UserError
 from ..util.files import check_folder
 from ._options import Json
@@ -36,13 +36,16 @@ FACTS = {"/state": ("state", "reason"), "/fault": ("sentence",), "/timing": ("mi
 
 
 def _read(file: Path, wanted: "Fields") -> "Record":
-    """Read these fields of a record and return it; a bar shows the progress."""
+    """Read these fields of a record and return it; a bar shows the progress, a line says if some of it is missing."""
     from ..records.reader import find_record, read_record
 
     path = find_record(file)
     size = path.stat().st_size if path.exists() else 0
     with progress(f"reading {path.name}", size) as show:
-        return read_record(path, wanted, show)
+        record = read_record(path, wanted, show)
+    if record.damage or not record.whole:
+        write_error(f"{path}: cut off or damaged after {record.duration_s:.1f} s: read up to there")
+    return record
 
 
 def record_facts(record: "Record") -> dict[str, Any]:
@@ -66,8 +69,7 @@ def record_facts(record: "Record") -> dict[str, Any]:
 
 def _show(facts: dict[str, Any]) -> None:
     console = screen()
-    end = "complete" if facts["whole"] else "cut off, read up to the cut"
-    console.print(f"{facts['robot']}: {facts['duration_s']:.1f} s, {facts['missed']} missed deadlines, {end}")
+    console.print(f"{facts['robot']}: {facts['duration_s']:.1f} s, {facts['missed']} missed deadlines")
     print_table(("channel", "messages"), facts["messages"].items())
     for change in facts["states"]:
         console.print(f"{change['time_s']:8.2f} s  {change['state']:<12} {change['reason']}")
@@ -131,7 +133,8 @@ def replay(file: File, as_json: Json = False) -> int:
     record = _read(file, FIELDS)
     with progress("replaying", len(record.of("/planner"))) as show:
         result = again(record, show)
-    facts = {"ok": result.ok, "ticks": result.ticks, "difference": result.difference, "same_core": result.same_core}
+    facts = {"ok": result.ok, "ticks": result.ticks, "difference": result.difference, "same_core": result.same_core,
+             "whole": record.whole}
     if as_json:
         write_json(facts)
     else:

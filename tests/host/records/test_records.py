@@ -268,7 +268,9 @@ def test_commands(drive, tmp_path, capsys):
     assert main(["log", "info", str(drive)]) == 0
     assert "walking" in capsys.readouterr().out
     assert main(["log", "replay", str(drive), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out) == {"ok": True, "ticks": TICKS, "difference": "", "same_core": True}
+    assert json.loads(capsys.readouterr().out) == {
+        "ok": True, "ticks": TICKS, "difference": "", "same_core": True, "whole": True,
+    }  # fmt: skip
     assert main(["log", "export", "csv", str(drive), "--out", str(tmp_path / "csv")]) == 0
     assert (tmp_path / "csv" / "planner.csv").exists()
     assert main(["log", "plot", str(drive), "--out", str(tmp_path / "x.png")]) == 0
@@ -276,7 +278,16 @@ def test_commands(drive, tmp_path, capsys):
     assert main(["log", "info", str(tmp_path / "none.mcap")]) == 2
 
 
-@pytest.mark.parametrize("seconds", [0.3, 1.1])
+def test_a_command_says_if_a_part_of_the_record_is_missing(drive, tmp_path, capsys):
+    data, path = drive.read_bytes(), tmp_path / "cut.mcap"
+    path.write_bytes(data[: len(data) // 2])
+    assert main(["log", "replay", str(path), "--json"]) == 0
+    told = capsys.readouterr()
+    assert json.loads(told.out)["whole"] is False
+    length_s = read_record(path).duration_s
+    assert told.err == f"caramelo: {path}: cut off or damaged after {length_s:.1f} s: read up to there\n"
+
+
 def test_killed_at_any_moment_the_record_opens(tmp_path, seconds):
     """kill -9 while it writes: what was on the disk by then is there and replays."""
     path = tmp_path / "x.mcap"
