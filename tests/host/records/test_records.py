@@ -288,6 +288,7 @@ def test_a_command_says_if_a_part_of_the_record_is_missing(drive, tmp_path, caps
     assert told.err == f"caramelo: {path}: cut off or damaged after {length_s:.1f} s: read up to there\n"
 
 
+@pytest.mark.parametrize("seconds", [0.3, 1.1])
 def test_killed_at_any_moment_the_record_opens(tmp_path, seconds):
     """kill -9 while it writes: what was on the disk by then is there and replays."""
     path = tmp_path / "x.mcap"
