@@ -24,11 +24,13 @@ def info(file: File, as_json: Json = False) -> None:
 
     Example: caramelo log info walk.mcap
     """
-    facts = record_facts(_read(file, FACTS))
+    record = _read(file, FACTS)
+    facts = record_facts(record)
     if as_json:
         write_json(facts)
     else:
         _show(facts)
+    _say_what_is_missing(record)
 
 
 # The fields that record_facts needs, for read_record.
@@ -36,16 +38,19 @@ FACTS = {"/state": ("state", "reason"), "/fault": ("sentence",), "/timing": ("mi
 
 
 def _read(file: Path, wanted: "Fields") -> "Record":
-    """Read these fields of a record and return it; a bar shows the progress, a line says if some of it is missing."""
+    """Read these fields of a record and return it; a bar shows the progress."""
     from ..records.reader import find_record, read_record
 
     path = find_record(file)
     size = path.stat().st_size if path.exists() else 0
     with progress(f"reading {path.name}", size) as show:
-        record = read_record(path, wanted, show)
+        return read_record(path, wanted, show)
+
+
+def _say_what_is_missing(record: "Record") -> None:
+    """Say behind a command's result if it is not of the whole record."""
     if record.damage or not record.whole:
-        write_error(f"{path}: cut off or damaged after {record.duration_s:.1f} s: read up to there")
-    return record
+        write_error(f"{record.path}: cut off or damaged after {record.duration_s:.1f} s: read up to there")
 
 
 def record_facts(record: "Record") -> dict[str, Any]:
@@ -96,6 +101,7 @@ def plot(
     write_note("drawing")
     plot_png(record, target)
     tell_written([target])
+    _say_what_is_missing(record)
 
 
 @GROUP.command()
@@ -119,6 +125,7 @@ def export(
     with progress(f"writing {record.counts.total()} rows", record.path.stat().st_size) as show:
         written = export_csv(record, out or record.path.with_suffix(""), show)
     tell_written(written)
+    _say_what_is_missing(record)
 
 
 @GROUP.command()
@@ -140,4 +147,5 @@ def replay(file: File, as_json: Json = False) -> int:
     else:
         core = "" if result.same_core else " (recorded with another version of the core)"
         say(f"{result.ticks} ticks are the same to the bit{core}" + (f"; {result.difference}" * (not result.ok)))
+    _say_what_is_missing(record)
     return 0 if result.ok else NOT_ACHIEVED

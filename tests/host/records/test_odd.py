@@ -16,11 +16,10 @@ COMMANDS = {"info": ["info"], "info --json": ["info", "--json"], "replay": ["rep
 
 
 def is_one_line(code, err):
-    """Return True if a command said nothing, or one line that a terminal only shows."""
+    """Return True if a command said nothing, or one printable line: why it refused, or that a part is missing."""
     lines = err.splitlines()
-    if code == 0:
-        return lines == []
-    return len(lines) == (code == 2) and err.strip("\n").isprintable()
+    missing = "cut off or damaged" in err
+    return len(lines) == (code == 2 or missing) and err.strip("\n").isprintable()
 
 
 def try_all(capsys, name, path, folder, commands):
