@@ -19,6 +19,7 @@ from host.records.reader import read_record
 from host.robot.file import load_robot
 from host.teleop.measure import Measure
 from tests.host.control.rig import Rig
+from tests.interrupts import hear_signals
 from tests.waiting import PATIENCE_S, wait_until
 
 TELEOP = [sys.executable, "-m", "host.cli", "teleop"]
@@ -123,8 +124,9 @@ class Terminal:
     def __init__(self, *options):
         self._ours, theirs = pty.openpty()
         self.process = subprocess.Popen(
-            [*TELEOP, "--sim", "--direct", *options], stdin=theirs, stdout=theirs, stderr=theirs, start_new_session=True
-        )
+            [*TELEOP, "--sim", "--direct", *options], stdin=theirs, stdout=theirs, stderr=theirs,
+            start_new_session=True, preexec_fn=hear_signals,
+        )  # fmt: skip
         os.close(theirs)
         self.shown = ""
 
