@@ -49,7 +49,7 @@ def _read(file: Path, wanted: "Fields") -> "Record":
 
 def _say_what_is_missing(record: "Record") -> None:
     """Say behind a command's result if it is not of the whole record."""
-    if record.damage or not record.whole:
+    if not record.whole:
         write_error(f"{record.path}: cut off or damaged after {record.duration_s:.1f} s: read up to there")
 
 

@@ -13,7 +13,7 @@ from typing import Annotated, Any, get_type_hints
 from pydantic import TypeAdapter, ValidationError
 
 from ..util.errors import UserError
-from ..util.files import parse_toml
+from ..util.files import parse_toml, read_text
 from .ability import FLAT_FROUDE, ability
 from .actuators import Servo, SupplyPoint
 from .file import checked, explain, find, load_robot, robot_names
@@ -148,7 +148,7 @@ def new_file(answers: Answers) -> str:
     changes = {"gait.default": Change(shown(GAIT), "chosen")}
     for part in (_names, _geometry, _lengths, _masses, _drives):
         changes |= part(answers)
-    of_donor, header = find(donor).read_text(), HEADER.format(**answers, donor=donor)
+    of_donor, header = read_text(find(donor)), HEADER.format(**answers, donor=donor)
     robot = checked(parse_toml(changed(of_donor, changes, TRIED, donor, header)), NOT_TOGETHER)
     text = changed(of_donor, {**changes, **_speeds(robot)}, TRIED, donor, header)
     checked(parse_toml(text), NOT_TOGETHER)
