@@ -15,6 +15,4 @@ def quick_boards(request, monkeypatch):
         return
     skip_without(Unix("bytecode"))
     pytest.importorskip("mpremote")
-    monkeypatch.setattr(flashing, "SETTLE_S", 1.5)
-    monkeypatch.setattr(flashing, "GRACE_S", 0.6)
     monkeypatch.setattr(flashing, "DECIDED", (*flashing.DECIDED, IN_ITS_LOOP))

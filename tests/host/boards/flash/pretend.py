@@ -24,6 +24,7 @@ from .loader import choose
 from .sim_flash import Memory, SimFlash
 
 HARNESS = Path(__file__).with_name("harness.py")
+STARTS = b"pretend board"  # what the harness says first
 
 
 class PretendBoard(UnixVmBoard):
@@ -56,7 +57,7 @@ class PretendBoard(UnixVmBoard):
         (self.folder / "writes").unlink(missing_ok=True)
         self._start()
         self._relay.start()
-        assert self.wait_for(b"pretend board")
+        assert self.wait_for(STARTS)
         return self
 
     def wait_for(self, words):
@@ -68,6 +69,10 @@ class PretendBoard(UnixVmBoard):
         wait_until(lambda: b"\n" in self.said.partition(words)[2], lambda: (words, self.said))
         return self.said.partition(words)[2].partition(b"\n")[0].strip().decode()
 
+    def wait_for_own_start(self):
+        """Wait until it has started again and nobody has stopped it since: a reset is only asked for by its words."""
+        wait_until(lambda: b"running" in self.said and b"raw REPL" not in self.said, lambda: self.said)
+
     def settle(self, words, quiet_s=0.5):
         """Wait until the board has said ``words`` and has not been reset for so long."""
 
@@ -77,13 +82,12 @@ class PretendBoard(UnixVmBoard):
 
         wait_until(quiet, lambda: (words, self.said))
 
-    def after_reset(self, reset, words, count=1):
-        """Return what ``reset`` does, once the board has started again so often and said ``words``."""
-        wanted = self.resets + count
-        answer = reset()
+    def after_reset(self, reset, words):
+        """Return once ``reset`` has made the board start again and it has said ``words``."""
+        wanted = self.resets + 1
+        reset()
         wait_until(lambda: self.resets >= wanted, f"reset number {wanted}")
         self.wait_for(words)
-        return answer
 
     def _start(self):
         """Start the board; ``resets`` counts it only when the new one runs and nothing of the last is in ``said``."""
@@ -123,6 +127,9 @@ class PretendBoard(UnixVmBoard):
         elif code is not None:
             self._start()
         return self.powered
+
+    def _listens(self):
+        return STARTS in self.said  # before it, USB is not open
 
     def _read(self, end):
         try:

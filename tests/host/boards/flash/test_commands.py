@@ -130,20 +130,23 @@ def test_several_boards_info_logs_and_reset(run, images, tmp_path):
         assert (code, [board["self_test"] for board in answer["boards"]]) == (1, ["passed", "passed"])
         assert list(answer["failures"]) == ["/dev/none"]
         assert err.count("\n") == 1
-        assert "nothing to do: slot b" in run("flash", images("2"), "--port", one.port)[1]
-        assert "to slot a" in run("flash", images("3"), "--port", one.port, "--dry-run")[1]
-        flashed = one.after_reset(lambda: run("flash", images("3"), "--port", one.port), b"running 3", count=2)
-        assert "self-test passed, confirmed" in flashed[1]
-        info = one.after_reset(lambda: run("board", "info", "--port", one.port, "--json"), b"running 3")
-        facts = json.loads(info[1])
+        one.wait_for_own_start()
+
+        def to_one(*words):
+            answer = run(*words, "--port", one.port)
+            one.wait_for_own_start()
+            return answer
+
+        assert "nothing to do: slot b" in to_one("flash", images("2"))[1]
+        assert "to slot a" in to_one("flash", images("3"), "--dry-run")[1]
+        assert "self-test passed, confirmed" in to_one("flash", images("3"))[1]
+        facts = json.loads(to_one("board", "info", "--json")[1])
         assert (facts["running"], facts["confirmed"], facts["version"]) == ("a", True, "3")
         assert facts["slots"]["b"] == f"version 2, build {make('2').about.build}"
-        info = one.after_reset(lambda: run("board", "info", "--port", one.port), b"running 3")
-        assert "version      3" in info[1]
-        logs = one.after_reset(lambda: run("board", "logs", "--port", one.port), b"running 3")
-        assert "nothing noted" in logs[1]
-        assert run("board", "reset", "--port", one.port)[0] == 0
-        assert one.wait_for(b"running 3")
+        assert "version      3" in to_one("board", "info")[1]
+        assert "nothing noted" in to_one("board", "logs")[1]
+        assert to_one("board", "reset")[0] == 0
+        assert b"running 3" in one.said
 
 
 def test_micropython_without_our_firmware_is_told_what_to_do(run, tmp_path):

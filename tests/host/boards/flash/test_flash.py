@@ -15,7 +15,10 @@ from .trees import frame, make
 
 
 def put(board, image, **wish):
-    return flash(board.port, Wish(image, **wish))
+    """Flash it, and wait until it runs again: flashing ends with a reset, which takes the board some time."""
+    outcome = flash(board.port, Wish(image, **wish))
+    board.wait_for_own_start()
+    return outcome
 
 
 def contents(board):
@@ -121,11 +124,11 @@ def test_a_board_nobody_confirms_goes_back_by_itself(board):
 
 
 def test_a_computer_that_went_before_it_confirmed_tries_again(board):
-    board.after_reset(lambda: put(board, make("2")), b"running 2", count=2)
+    put(board, make("2"))
     with BoardLink(board.port) as link:
         Board(link).link.run("u._record(1, 3)")
         board.after_reset(link.reset, b"running 2")
-    outcome = board.after_reset(lambda: put(board, make("2")), b"running 2", count=2)
+    outcome = put(board, make("2"))
     assert (outcome.slot, outcome.version, outcome.bytes) == ("b", "2", 0)
     with BoardLink(board.port) as link:
         Board(link).link.run("u._record(1, 3)")

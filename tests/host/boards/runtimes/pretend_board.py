@@ -47,10 +47,15 @@ class UnixVmBoard:
     def _carry(self) -> None:
         """Carry bytes both ways until the board is put away, or ends by itself."""
         while not self._closing and self._goes_on():
-            for end in select.select([self._board, self._outside], [], [], 0.02)[0]:
+            ends = [self._board, self._outside] if self._listens() else [self._board]
+            for end in select.select(ends, [], [], 0.02)[0]:
                 os.write(self._outside if end == self._board else self._board, self._read(end))
 
     def _goes_on(self) -> bool:
+        return True
+
+    def _listens(self) -> bool:
+        """Return whether it takes what comes from outside; else it stays in the line."""
         return True
 
     def _read(self, end: int) -> bytes:
