@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import pymunk
 
-from .model import CALF, HIP, PLANAR_INDEX, PLANAR_JOINTS, THIGH, Link, PlanarRobot
+from .model import CALF, HIP, PLANAR_INDEX, PLANAR_JOINTS, THIGH, PlanarRobot
 
 # All parts of the robot share one group: near and far legs overlap in the plane and must not collide.
 ROBOT_GROUP = 1
@@ -30,18 +30,11 @@ class Parts:
     torso_origin_m: tuple[float, float]
 
 
-def _body(link: Link, armature_kgm2: float = 0.0) -> pymunk.Body:
-    """A body of the link's mass; a motor's inertia seen through its gear turns with the link it drives."""
-    return pymunk.Body(link.mass_kg, link.inertia_kgm2 + armature_kgm2)
-
-
 def build(space: pymunk.Space, robot: PlanarRobot, payload_kg: float, joint_error_bias: float) -> Parts:
     """Add the robot to ``space``, all bodies at the origin: place it before stepping."""
     torso = robot.loaded_torso(payload_kg)
-    bodies = [_body(torso)]
-    for _ in range(4):
-        bodies.append(_body(robot.thigh, robot.thigh_servo.armature_kgm2))
-        bodies.append(_body(robot.calf, robot.calf_servo.armature_kgm2))
+    links = (torso, *(robot.thigh, robot.calf) * 4)
+    bodies = [pymunk.Body(link.mass_kg, link.inertia_kgm2) for link in links]
     parts = Parts(
         bodies=tuple(bodies),
         hip_anchor_m=tuple((x - torso.com_x_m, -torso.com_z_m) for x in robot.hip_x_m),

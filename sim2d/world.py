@@ -16,12 +16,14 @@ import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
 import pymunk
 from pymunk import batch
 
 from . import body
 from .actuator import Actuator, CalfOnTorso, PositionServos
 from .model import GRAVITY_M_S2, PLANAR_JOINTS, PlanarRobot, least_inertia_kgm2
+from .rotors import Rotors
 from .terrain import Terrain
 
 ITERATIONS = 30
@@ -85,6 +87,7 @@ class World:
         self.steps = 0
         self.space = _space(dt_s)
         self.parts = body.build(self.space, robot, payload_kg, _JOINT_ERROR_LEFT ** (1 / dt_s))
+        self.rotors = Rotors(robot, self.parts.bodies, dt_s)
         _add_ground(self.space, terrain)
         thigh, calf = robot.thigh_servo.at_voltage(voltage_V), robot.calf_servo.at_voltage(voltage_V)
         self.servos = PositionServos([thigh, calf] * 4)
@@ -95,6 +98,7 @@ class World:
         self.position_rad = [0.0] * PLANAR_JOINTS
         self.speed_rad_s = [0.0] * PLANAR_JOINTS
         self.torque_Nm = [0.0] * PLANAR_JOINTS
+        self._turning_rad_s = [0.0] * ROBOT_BODIES
         self._read, self._write, self._touch = batch.Buffer(), batch.Buffer(), batch.Buffer()
         self._torque_mem = bytearray(8 * _count_bodies(self.space, self.parts.bodies))
         self._write.set_float_buf(self._torque_mem)
@@ -116,6 +120,7 @@ class World:
         for part in self.parts.bodies:
             self.space.reindex_shapes_for_body(part)
         self.steps = 0
+        self.rotors.rest()
         self._read_joints()
 
     def pin_torso(self) -> None:
@@ -130,11 +135,12 @@ class World:
         """Run ``steps`` sub-steps towards eight planar goals (thigh and calf of FR, FL, RR, RL)."""
         dt_s, step, drive = self.dt_s, self.space.step, self._actuator.torques
         position, speed, torque = self.position_rad, self.speed_rad_s, self.torque_Nm
-        for _ in range(steps):
-            self._read_joints()
-            drive(goal_rad, position, speed, dt_s, torque)
-            self._apply_torques()
-            step(dt_s)
+        with np.errstate(over="ignore", invalid="ignore"):  # run.py refuses what is no number
+            for _ in range(steps):
+                self._read_joints()
+                drive(goal_rad, position, speed, dt_s, torque)
+                self._apply_torques()
+                step(dt_s)
         self.steps += steps
 
     def _read_joints(self) -> None:
@@ -146,10 +152,11 @@ class World:
             buffer.float_buf()
         )
         self.position_rad[:] = (a0 - a1, a1 - a2, a0 - a3, a3 - a4, a0 - a5, a5 - a6, a0 - a7, a7 - a8)
+        self._turning_rad_s[:] = (w0, w1, w2, w3, w4, w5, w6, w7, w8)
         self.speed_rad_s[:] = (w0 - w1, w1 - w2, w0 - w3, w3 - w4, w0 - w5, w5 - w6, w0 - w7, w7 - w8)
 
     def _apply_torques(self) -> None:
-        """Joint torques and end stops on both bodies of every joint (a joint torque is about +y)."""
+        """Joint torques and end stops on both bodies of every joint (a joint torque is about +y), and the rotors."""
         t = self.torque_Nm.copy()
         dt_s = self.dt_s
         for i, low, high, stiffness, braking in self._stops:
@@ -159,9 +166,8 @@ class World:
             elif ahead > high:
                 t[i] += min(0.0, stiffness * (high - ahead) - braking * self.speed_rad_s[i])
         t0, t1, t2, t3, t4, t5, t6, t7 = t
-        self._torques.pack_into(
-            self._torque_mem, 0, t0 + t2 + t4 + t6, t1 - t0, -t1, t3 - t2, -t3, t5 - t4, -t5, t7 - t6, -t7
-        )
+        on_bodies = [t0 + t2 + t4 + t6, t1 - t0, -t1, t3 - t2, -t3, t5 - t4, -t5, t7 - t6, -t7]
+        self._torques.pack_into(self._torque_mem, 0, *self.rotors.with_rotors(on_bodies, self._turning_rad_s))
         batch.set_space_bodies(self.space, _TORQUE, self._write)
 
     def state(self) -> bytes:

@@ -49,6 +49,8 @@ def energy_J(world: World) -> float:
     total = 0.0
     for part, (_, z, _, vx, vz, turn) in zip(world.parts.bodies, states, strict=True):
         total += part.mass * (0.5 * (vx * vx + vz * vz) + GRAVITY_M_S2 * z) + 0.5 * part.moment * turn * turn
+    for carrier, link, armature_kgm2 in world.rotors.rows:
+        total -= armature_kgm2 * states[carrier][5] * states[link][5]
     limits = (world.robot.thigh_limits_rad, world.robot.calf_limits_rad)
     for joint in range(PLANAR_JOINTS):
         child, parent = joint + 1, joint if joint % 2 else 0

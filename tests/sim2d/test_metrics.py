@@ -89,16 +89,16 @@ def test_the_papers_walk_on_flat_ground(walk):
     """Asked for 0.05 m/s: knees that all bend one way push the sagging body back at every load transfer."""
     assert walk.outcome.kind == "arrived"
     assert 0.55 * 0.05 <= metrics.mean_speed_m_s(walk) <= 0.90 * 0.05
-    assert 0.031 < metrics.mean_speed_m_s(walk) < 0.036
-    assert 2.0 < metrics.pitch_range_deg(walk, skip_s=2.0) < 5.0
+    assert 0.036 < metrics.mean_speed_m_s(walk) < 0.040
+    assert 1.5 < metrics.pitch_range_deg(walk, skip_s=2.0) < 5.0
     assert 0.020 < metrics.min_clearance_m(walk) < 0.036
-    assert len(metrics.swing_clearances_m(walk)) == pytest.approx(2 * 21.5 * 2, abs=6)
+    assert len(metrics.swing_clearances_m(walk)) == pytest.approx(2 * 19.7 * 2, abs=6)
 
 
-def test_evenly_spaced_points_clear_36_mm_of_50_and_walk_faster(walk):
+def test_evenly_spaced_points_clear_38_mm_of_50_and_walk_faster(walk):
     robot = caramelo()
     even = simulate(robot, PaperTrot(robot, p_t=1), terrain.flat(), duration_s=120.0, distance_m=1.5)
-    assert np.median(metrics.swing_clearances_m(even)) == pytest.approx(0.036, abs=0.002)
+    assert np.median(metrics.swing_clearances_m(even)) == pytest.approx(0.038, abs=0.002)
     assert metrics.mean_speed_m_s(even) > metrics.mean_speed_m_s(walk)
 
 

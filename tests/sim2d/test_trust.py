@@ -22,6 +22,10 @@ FRICTIONLESS = {
     "thigh_servo": replace(THIGH_SERVO, coulomb_Nm=0.0),
     "calf_servo": replace(CALF_SERVO, coulomb_Nm=0.0),
 }
+WITHOUT_ROTORS = {
+    "thigh_servo": replace(THIGH_SERVO, armature_kgm2=0.0),
+    "calf_servo": replace(CALF_SERVO, armature_kgm2=0.0),
+}
 
 
 class VelocitySource:
@@ -124,15 +128,19 @@ def foot_in_the_air(p_t, p_n, target_x_m=0.05):
 
 @pytest.mark.parametrize("target_x_m", [0.05, 0.03])
 def test_foot_in_the_air_rises_and_lasts_as_measured(target_x_m):
-    """The robot's: 47.6 and 46.2 mm high, 557 and 559 ms (medians), for 50 mm and 500 ms asked."""
+    """The robot's: 47.6 and 46.2 mm high, 557 and 559 ms (medians), for 50 mm and 500 ms asked; in space 546 ms."""
     rows = foot_in_the_air(1, 1, target_x_m)
     away_m = np.hypot(*(rows[:, 1:] - rows[-1, 1:]).T)
-    assert rows[:, 2].max() == pytest.approx(0.0471, abs=0.0005)
-    assert rows[away_m > 0.001][-1, 0] == pytest.approx(0.553, abs=0.010)
+    assert rows[:, 2].max() == pytest.approx(0.0476, abs=0.0005)
+    assert rows[away_m > 0.001][-1, 0] == pytest.approx(0.546, abs=0.010)
 
 
 def test_the_papers_re_timing_costs_height():
-    assert foot_in_the_air(0.66, 0.33)[:, 2].max() == pytest.approx(0.0406, abs=0.0005)
+    """In space the same drives raise the foot to 42.6 mm."""
+    assert foot_in_the_air(0.66, 0.33)[:, 2].max() == pytest.approx(0.0430, abs=0.0005)
+
+
+SETTLED_STEPS = 30  # by then the pins have brought the bodies, thrown apart, to turn as joints allow
 
 
 def thrown_rag_doll(seed, lift_m, **changes):
@@ -142,7 +150,8 @@ def thrown_rag_doll(seed, lift_m, **changes):
     world.place(robot.stand_pose_rad, lift_m=lift_m, pitch_rad=rng.uniform(-1, 1))
     for part in world.parts.bodies:
         part.angular_velocity = rng.uniform(-8, 8)
-    world.advance([0.0] * 8, 1)
+    world.rotors.rest()
+    world.advance([0.0] * 8, SETTLED_STEPS)
     return world
 
 
@@ -156,7 +165,7 @@ def energy_gained_J(world, steps):
     return gained
 
 
-@pytest.mark.parametrize(("changes", "allowed_J"), [({}, 1e-6), (FRICTIONLESS, 5e-3)])
+@pytest.mark.parametrize(("changes", "allowed_J"), [(WITHOUT_ROTORS, 1e-6), ({}, 5e-4), (FRICTIONLESS, 5e-3)])
 def test_a_rag_doll_in_free_flight_gains_no_energy(changes, allowed_J):
     """Limbs flail into their end stops for 1.5 s; 5 mJ is a thousandth of the energy they were thrown with."""
     for seed in range(6):
