@@ -1,5 +1,6 @@
 """Files appear complete or not at all: they are written beside their place under a hidden name, then renamed."""
 
+import errno
 import os
 import tomllib
 from collections.abc import Iterator
@@ -8,7 +9,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from .errors import UserError
+from .errors import NOT_ACHIEVED, WRONG_USE, UserError
 
 DEEPEST = 20  # tables and lists within each other in a TOML file; ours have four
 TOO_DEEP = "its tables or lists are nested too deeply"
@@ -31,7 +32,13 @@ def writing(path: Path) -> Iterator[None]:
     try:
         yield
     except OSError as error:
-        raise UserError(f"{path}: can't be written: {error.strerror or error}") from error
+        raise not_written(path, error) from error
+
+
+def not_written(place: object, error: OSError) -> UserError:
+    """Return what the system refused to write, in one sentence; on a full disk another name would not help."""
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+    return UserError(f"{place}: can't be written: {error.strerror or error}", NOT_ACHIEVED if full else WRONG_USE)
 
 
 def file_name(foreign: str) -> str:
@@ -73,17 +80,20 @@ def parse_toml(text: str) -> dict[str, Any]:
 def atomic_path(path: Path) -> Iterator[Path]:
     """Yield a hidden path with the same ending to write to; it becomes ``path`` if the block ends well.
 
-    Any exception, Ctrl-C included, leaves an older ``path`` as it was. Missing folders are made.
-    UserError if the system refuses, or if ``path`` is a folder's by its form.
+    Any exception, Ctrl-C included, leaves an older ``path`` as it was. Missing folders are made. A link stays one.
+    UserError if the system refuses, or if ``path`` is a folder or a device, or a folder's by its form.
     """
     if not path.name:
         raise UserError(f"{path}: names no file to write: give it a name")
-    draft = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    if path.exists() and not path.is_file():
+        raise UserError(f"{path}: can't be written: it is a folder or a device: name a file")
+    place = Path(os.path.realpath(path))
+    draft = place.with_name(f".{place.stem}.{os.getpid()}{place.suffix}")
     with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
+        place.parent.mkdir(parents=True, exist_ok=True)
         try:
             yield draft
-            os.replace(draft, path)
+            os.replace(draft, place)
         finally:
             draft.unlink(missing_ok=True)
 

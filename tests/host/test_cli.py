@@ -316,7 +316,7 @@ def test_a_file_where_a_folder_belongs_is_one_line(tmp_path):
     with pytest.raises(UserError, match="can't be written"):
         write_text(tmp_path / "file/below.txt", "x")
     (tmp_path / "folder").mkdir()
-    with pytest.raises(UserError, match="can't be written: Is a directory"):
+    with pytest.raises(UserError, match="can't be written: it is a folder or a device"):
         write_text(tmp_path / "folder", "x")
     with pytest.raises(UserError, match=r"\.: names no file to write"):
         write_text(Path(""), "x")

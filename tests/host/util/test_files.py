@@ -1,11 +1,14 @@
 """Files of the user: every kind of TOML is read in one way, and names from files are only names."""
 
+import errno
+import os
 import re
 
 import pytest
 
 from host.cli import main
-from host.util.files import file_name, read_toml
+from host.util.errors import UserError
+from host.util.files import file_name, read_toml, write_text, writing
 from tests import ROOT
 
 # Besides the one place, those that read only what comes with the software.
@@ -56,3 +59,29 @@ def test_a_foreign_name_is_one_file_in_the_folder(tmp_path, foreign):
 def test_different_names_stay_different():
     names = ["", "%", ".", "..", "%2E", "%2E.", "/", "%2F", "a/b", "a%2Fb", "A", "a"]
     assert len({file_name(name) for name in names}) >= len(names) - 1  # the empty one is written as %
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+def test_a_device_is_never_replaced_by_a_file(tmp_path):
+    """As root, --out /dev/null made /dev/null a file."""
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(UserError, match="pipe: can't be written: it is a folder or a device: name a file"):
+        write_text(tmp_path / "pipe", "x")
+    assert (tmp_path / "pipe").is_fifo()
+
+
+def test_a_link_stays_one_and_its_file_is_written(tmp_path):
+    (tmp_path / "there").mkdir()
+    (tmp_path / "link").symlink_to("there/file")
+    for content in ("first", "second"):
+        write_text(tmp_path / "link", content)
+        assert (tmp_path / "link").is_symlink()
+        assert (tmp_path / "there/file").read_text() == content
+    assert os.listdir(tmp_path / "there") == ["file"]
+
+
+@pytest.mark.parametrize(("number", "code"), [(errno.ENOSPC, 1), (errno.EDQUOT, 1), (errno.EACCES, 2)])
+def test_a_full_disk_is_not_wrong_use(tmp_path, number, code):
+    with pytest.raises(UserError, match="x: can't be written: ") as raised, writing(tmp_path / "x"):
+        raise OSError(number, os.strerror(number))
+    assert raised.value.exit_code == code
