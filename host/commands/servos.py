@@ -349,7 +349,7 @@ def reboot(servo: Servo, robot: RobotName = "caramelo", port: Port = None, baud:
 def budget(
     robot: RobotName = "caramelo",
     baud: Baud = None,
-    latency: Annotated[float, typer.Option(metavar="MS", min=0.0, max=255.0, help="The USB adapter's latency timer.")] = 1.0,
+    latency: Annotated[float, typer.Option(metavar="MS", min=0, max=255, help="The adapter's latency timer.")] = 1.0,
     as_json: Json = False,
 ) -> int:
     """Print how much of a control cycle the bus takes. Exit code 1 if it does not fit.
