@@ -3,6 +3,7 @@
 import errno
 import os
 import re
+from pathlib import Path
 
 import pytest
 
@@ -85,3 +86,32 @@ def test_a_full_disk_is_not_wrong_use(tmp_path, number, code):
     with pytest.raises(UserError, match="x: can't be written: ") as raised, writing(tmp_path / "x"):
         raise OSError(number, os.strerror(number))
     assert raised.value.exit_code == code
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="needs /dev/zero")
+@pytest.mark.parametrize(
+    "command",
+    ["calibrate --sim --answers", "joints params restore 5 --sim --file", "flash --port /dev/null", "robots check"],
+)
+def test_a_file_that_never_ends_is_a_line(capsys, tmp_path, command):
+    """They read until the memory was full."""
+    path = tmp_path / "endless.toml"
+    path.symlink_to("/dev/zero")
+    assert main([*command.split(), str(path)]) == 2
+    assert capsys.readouterr().err.startswith(f"caramelo: {path}: ")
+
+
+@pytest.mark.parametrize("wrong", ["folder", "file/sub/x.toml"])
+@pytest.mark.parametrize("command", ["calibrate --sim --out", "calibrate --sim --record", "servos setup --sim --record",
+                                     "robots new --force", "tune --out"])  # fmt: skip
+def test_a_file_that_cannot_be_written_is_refused_before_the_work(capsys, tmp_path, monkeypatch, command, wrong):
+    """A calibration was asked for to its end first."""
+    monkeypatch.setattr("builtins.input", lambda *_: pytest.fail("asked something"))
+    (tmp_path / "folder.toml").mkdir()
+    (tmp_path / "file").write_text("mine")
+    path = tmp_path / (wrong if wrong != "folder" else "folder.toml")
+    assert main([*command.split(), str(path)]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert "name a file" in said.err or "name a folder" in said.err
+    assert sorted(os.listdir(tmp_path)) == ["file", "folder.toml"]
