@@ -18,9 +18,9 @@ NESTED = "a = " + "[" * 3000
 COMMANDS = [
     ["robots", "check", "{}"], ["robots", "show", "{}"], ["walk", "--robot", "{}"],
     ["calibrate", "--sim", "--robot", "{}"], ["calibrate", "--sim", "--answers", "{}"],
-    ["teleop", "--sim", "--robot", "{}"], ["servos", "scan", "--robot", "{}"],
-    ["teleop", "--sim", "--calibration", "{}"], ["joints", "scan", "--sim", "--robot", "{}"],
-    ["firmware", "build", "--role", "gait", "--robot", "{}"],
+    ["teleop", "--sim", "--json", "--measure", "1", "--robot", "{}"], ["servos", "scan", "--robot", "{}"],
+    ["teleop", "--sim", "--json", "--measure", "1", "--calibration", "{}"],
+    ["joints", "scan", "--sim", "--robot", "{}"],
 ]  # fmt: skip
 
 
@@ -33,6 +33,7 @@ def test_whatever_lies_in_a_toml_file_is_told_in_a_line(capsys, tmp_path, comman
     err = capsys.readouterr().err
     assert err.count("\n") == 1
     assert err.strip("\n").isprintable()
+    assert str(path) in err
 
 
 def test_no_other_place_parses_toml():
