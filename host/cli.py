@@ -1,5 +1,6 @@
 """The `caramelo` command: gathers host/commands. Only here errors become a line on stderr and an exit code."""
 
+import errno
 import importlib
 import signal
 import sys
@@ -119,6 +120,8 @@ def _run(arguments: Sequence[str] | None) -> int:
 
 def _refusal(error: OSError) -> str:
     """Return a line for an error of the system that no command explains itself, such as a full disk."""
+    if error.filename is None and error.errno == errno.ENOSPC:  # whatever writes a file names it
+        return f"the output can't be written: {error.strerror}"
     what = "" if error.filename is None else f"{error.filename}: "
     return f"{what}the system refused: {error.strerror or error}"
 

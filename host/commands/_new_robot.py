@@ -61,12 +61,13 @@ def new_robot(
 def write_new(path: Path, given: dict[str, Any], defaults: bool, force: bool) -> None:
     """Ask for what no option gives, and write the whole file; UserError for a wrong option."""
     from ..robot.new_robot import new_file, questions
-    from ..util.files import write_text
+    from ..util.files import check_file, write_text
 
     if path.suffix != ".toml":
         raise UserError(f"{path}: give a file that ends in .toml")
     if path.exists() and not force:
         raise UserError(f"{path}: the file exists: name another, or overwrite it with --force")
+    check_file("FILE", path)
     known = {each.name: each for each in questions()}
     answers = {name: _checked(known[name], value) for name, value in given.items()}
     _ask(answers, {}, defaults)

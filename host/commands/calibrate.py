@@ -36,10 +36,12 @@ def calibrate(
     from ..bus.dynamixel.calibration.person import AtTerminal, FromFile, read_answers, write_answers
     from ..bus.dynamixel.calibration.procedure import Procedure, complain_about, difference
     from ..robot.file import load_robot
+    from ..util.files import check_file
 
     data = load_robot(robot)
     servo_of(data)
     path = out or (Path("out/calibrate") / f"{data.name}.calibration.toml" if sim else default_path(data))
+    check_file("--out", path)
     person: AtTerminal | FromFile = AtTerminal(record)
     recorded = dict(person.answers)
     if answers is not None:

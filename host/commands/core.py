@@ -6,6 +6,7 @@ import typer
 
 from ..util.console import screen, write_json, write_note
 from ..util.errors import UserError
+from ..util.files import writing
 from ._options import Json
 
 if TYPE_CHECKING:
@@ -32,10 +33,8 @@ def build(as_json: Json = False) -> int:
     if found is None:
         write_note("compiling shared/: takes a minute on a PC and several on a Raspberry Pi")
         found = home() / sources_id()
-        try:
+        with writing(home()):
             build_core(found)
-        except OSError as error:
-            raise UserError(f"{home()}: can't be written: {error.strerror}") from error
     _drop([core for core in kept_cores() if core != found])
     return _tell(as_json)
 

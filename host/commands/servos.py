@@ -35,19 +35,24 @@ GROUP.command()(setup)
 def servo_port(robot: str, port: str | None, baud: int | None, sim: bool) -> Iterator[tuple["Robot", "Link"]]:
     """Yield the robot and an open link to its servos, real or emulated."""
     from ..bus.dynamixel.link import open_link, serial_bus
-    from ..bus.dynamixel.table import BAUDS
     from ..robot.file import find, load_robot
 
     data = load_robot(robot)
     serial_bus(data)
-    if baud is not None and baud not in BAUDS:
-        raise UserError(f"--baud {baud}: allowed {', '.join(map(str, BAUDS))}")
+    _check_rate(baud)
     with ExitStack() as stack:
         if sim:
             from ..sim.servos.process import Emulator
 
             port = stack.enter_context(Emulator("--robot", str(find(robot)))).port
         yield data, stack.enter_context(open_link(data, port, baud))
+
+
+def _check_rate(baud: int | None) -> None:
+    from ..bus.dynamixel.table import BAUDS
+
+    if baud is not None and baud not in BAUDS:
+        raise UserError(f"--baud {baud}: allowed {', '.join(map(str, BAUDS))}")
 
 
 def _calibration(robot: "Robot", path: Path | None, sim: bool) -> "Calibration | None":
@@ -344,7 +349,7 @@ def reboot(servo: Servo, robot: RobotName = "caramelo", port: Port = None, baud:
 def budget(
     robot: RobotName = "caramelo",
     baud: Baud = None,
-    latency: Annotated[float, typer.Option(metavar="MS", min=0.0, help="The USB adapter's latency timer.")] = 1.0,
+    latency: Annotated[float, typer.Option(metavar="MS", min=0, max=255, help="The adapter's latency timer.")] = 1.0,
     as_json: Json = False,
 ) -> int:
     """Print how much of a control cycle the bus takes. Exit code 1 if it does not fit.
@@ -357,6 +362,7 @@ def budget(
 
     data = load_robot(robot)
     own = serial_bus(data)
+    _check_rate(baud)
     cost = budget_of(baud or own.baud, data.control.rate_hz, own.protocol, latency)
     if as_json:
         write_json(cost.as_dict())

@@ -43,7 +43,7 @@ def tune(
     from ..lab.tune.values import RobotFile
     from ..lab.workers.work import workers
     from ..robot.gait_names import gait_index
-    from ..util.files import check_folder
+    from ..util.files import check_file
     from ..util.progress import cases
 
     for flag, value, allowed in (("--for", goal, GOALS), ("--in", where, WORLDS)):
@@ -54,7 +54,7 @@ def tune(
     gait_index(file.robot, wanted.gait)
     copy = out or Path(f"{file.path.stem}-{goal}.toml")
     kept = store or copy.with_suffix(".trials.jsonl")
-    check_folder("--out", copy.parent)
+    check_file("--out", copy)
     if copy.exists() and not kept.exists():
         raise UserError(f"--out {copy}: the file exists and comes from no search in {kept}: name another")
     with workers(jobs, cluster) as run_by, cases(f"tuning {file.robot.name} for {goal}") as tell:

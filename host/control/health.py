@@ -66,8 +66,9 @@ def _bus(first: Status, last: Status) -> Finding:
     """Count all errors since the drive began, but none from looking for joints before its first tick."""
     nothing: Status = {"bus_asked": 0, "bus_errors": 0, "lost_by_joint": [0] * JOINTS}
     before = nothing if first["timing"]["ticks"] else first
-    asked, errors = (last[key] - before[key] for key in ("bus_asked", "bus_errors"))
-    lost = [late - early for late, early in zip(last["lost_by_joint"], before["lost_by_joint"], strict=True)]
+    asked, errors = (max(0, last[key] - before[key]) for key in ("bus_asked", "bus_errors"))
+    counts = zip(last["lost_by_joint"], before["lost_by_joint"], strict=True)
+    lost = [max(0, late - early) for late, early in counts]  # less than before: what was lost came late after all
     silent = [JOINT_LABELS[joint] for joint in last["silent"]]
     if silent:
         return Finding("bus", BAD, f"no answer from {', '.join(silent)}: check the cable and the power")

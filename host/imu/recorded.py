@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ..util.errors import UserError
+from ..util.files import read_text
 from .base import COUNTS, INT16_MAX, Imu, ImuError
 
 HEADER = "gyro_x,gyro_y,gyro_z,accel_x,accel_y,accel_z"
@@ -24,7 +25,7 @@ class RecordedImu(Imu):
     def open(self) -> None:
         """See Imu; the whole file is checked first."""
         try:
-            lines = self._path.read_text(encoding="utf-8").splitlines()
+            lines = read_text(self._path).splitlines()
         except (OSError, UnicodeDecodeError) as error:
             raise UserError(f"{self._path}: can't be read: {getattr(error, 'strerror', None) or error}") from None
         self._readings = iter([self._parse(number, line) for number, line in enumerate(lines, 1) if _is_data(line)])

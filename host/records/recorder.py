@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from ..util.errors import UserError
-from ..util.files import check_folder
+from ..util.files import check_folder, not_written
 from .channels import CHANNELS, DRAWN, schema
 from .rotation import PARTS, claim, make_room, next_part
 
@@ -51,7 +51,7 @@ class Recorder:
             with suppress(OSError):  # what it still holds can't be written either
                 self._file.close()
             path.unlink(missing_ok=True)
-            raise _refusal(path, error) from None
+            raise not_written(f"--log {path}", error) from None
         self._thread = threading.Thread(target=self._write_all, name="recorder", daemon=True)
         self._thread.start()
 
@@ -186,8 +186,4 @@ def _create(path: Path) -> Any:
     except FileExistsError:
         raise UserError(f"--log {path}: the file exists: name another, or a folder") from None
     except OSError as error:
-        raise _refusal(path, error) from None
-
-
-def _refusal(path: Path, error: OSError) -> UserError:
-    return UserError(f"--log {path}: can't be written: {error.strerror or error}")
+        raise not_written(f"--log {path}", error) from None

@@ -270,7 +270,7 @@ class CanBus(Table):
 
     kind: Literal["can"]
     interface: Annotated[str, text(r"[a-z0-9_]{1,40}", "the name of a python-can interface, such as socketcan")]
-    channel: Annotated[str, text(r"\S{1,200}", "a channel name without spaces, or two with a comma")]
+    channel: Annotated[str, text(r"[^\s,]{1,99}(,[^\s,]{1,99})?", "a channel name without spaces, or two with a comma")]
     bitrate: Annotated[int, one_of(125000, 250000, 500000, 1000000)]
     rate_hz: Annotated[int, whole(20, 1000, "Hz")]
     loops: Annotated[

@@ -7,7 +7,7 @@ in the known robot's file, with comments and units, and the end of each such lin
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
-from math import floor, hypot
+from math import floor, hypot, inf
 from typing import Annotated, Any, get_type_hints
 
 from pydantic import TypeAdapter, ValidationError
@@ -77,7 +77,7 @@ class Question:
         if not isinstance(value, float) or isinstance(self.default({}), str):
             return ""
         try:
-            return f" ({value:g} mm or g are {self.check(value / 1000):g})" if value > 1 else ""
+            return f" ({value:g} mm or g are {self.check(value / 1000):g})" if 1 < value < inf else ""
         except UserError:
             return ""
 

@@ -1,5 +1,6 @@
 """Files appear complete or not at all: they are written beside their place under a hidden name, then renamed."""
 
+import errno
 import os
 import tomllib
 from collections.abc import Iterator
@@ -8,9 +9,10 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from .errors import UserError
+from .errors import NOT_ACHIEVED, WRONG_USE, UserError
 
 DEEPEST = 20  # tables and lists within each other in a TOML file; ours have four
+LARGEST = 100_000_000  # bytes: an hour of a recorded sensor has a tenth
 TOO_DEEP = "its tables or lists are nested too deeply"
 
 
@@ -25,13 +27,33 @@ def check_folder(flag: str, path: Path | None) -> None:
         raise UserError(f"{flag} {path}: you may not write to {there}: name another folder")
 
 
+def check_file(flag: str, path: Path | None) -> None:
+    """Refuse a name that no file can have before hours of work would be lost; create nothing yet."""
+    if path is not None:
+        _refuse_no_file(path)
+        check_folder(flag, path.parent)
+
+
+def _refuse_no_file(path: Path) -> None:
+    if not path.name:
+        raise UserError(f"{path}: names no file to write: give it a name")
+    if path.exists() and not path.is_file():
+        raise UserError(f"{path}: can't be written: it is a folder or a device: name a file")
+
+
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
     """Turn the system's errors while writing ``path`` into one sentence."""
     try:
         yield
     except OSError as error:
-        raise UserError(f"{path}: can't be written: {error.strerror or error}") from error
+        raise not_written(path, error) from error
+
+
+def not_written(place: object, error: OSError) -> UserError:
+    """Return what the system refused to write, in one sentence; on a full disk another name would not help."""
+    full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+    return UserError(f"{place}: can't be written: {error.strerror or error}", NOT_ACHIEVED if full else WRONG_USE)
 
 
 def file_name(foreign: str) -> str:
@@ -50,8 +72,17 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def read_text(path: Path) -> str:
-    """Return the text of a UTF-8 file, without the mark that some editors put before it."""
-    return path.read_text(encoding="utf-8-sig")
+    """Return the text of a UTF-8 file, without the mark that some editors put before it; OSError if it is too large."""
+    return read_bytes(path).decode("utf-8-sig").replace("\r\n", "\n")
+
+
+def read_bytes(path: Path) -> bytes:
+    """Return the content of a file; OSError if it is too large: a device may never end."""
+    with path.open("rb") as file:
+        content = file.read(LARGEST + 1)
+    if len(content) > LARGEST:
+        raise OSError(errno.EFBIG, os.strerror(errno.EFBIG))
+    return content
 
 
 def parse_toml(text: str) -> dict[str, Any]:
@@ -73,17 +104,17 @@ def parse_toml(text: str) -> dict[str, Any]:
 def atomic_path(path: Path) -> Iterator[Path]:
     """Yield a hidden path with the same ending to write to; it becomes ``path`` if the block ends well.
 
-    Any exception, Ctrl-C included, leaves an older ``path`` as it was. Missing folders are made.
-    UserError if the system refuses, or if ``path`` is a folder's by its form.
+    Any exception, Ctrl-C included, leaves an older ``path`` as it was. Missing folders are made. A link stays one.
+    UserError if the system refuses, or if ``path`` is a folder or a device, or a folder's by its form.
     """
-    if not path.name:
-        raise UserError(f"{path}: names no file to write: give it a name")
-    draft = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    _refuse_no_file(path)
+    place = Path(os.path.realpath(path))
+    draft = place.with_name(f".{place.stem}.{os.getpid()}{place.suffix}")
     with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
+        place.parent.mkdir(parents=True, exist_ok=True)
         try:
             yield draft
-            os.replace(draft, path)
+            os.replace(draft, place)
         finally:
             draft.unlink(missing_ok=True)
 

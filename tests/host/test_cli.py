@@ -245,12 +245,15 @@ def test_a_signal_that_is_ignored_stays_so(run):
         signal.signal(signal.SIGHUP, before)
 
 
+@pytest.mark.parametrize("unbuffered", ["", "1"])
 @pytest.mark.parametrize("arguments", [["robots"], ["robots", "--json"], ["--help"], ["--version"]])
-def test_an_output_that_takes_nothing_is_told_in_a_line(arguments):
+def test_an_output_that_takes_nothing_is_told_in_a_line(arguments, unbuffered):
+    around = {**os.environ, "PYTHONUNBUFFERED": unbuffered}
+    command = [sys.executable, "-m", "caramelo", *arguments]
     with open("/dev/full", "w") as full:
-        done = subprocess.run([CARAMELO, *arguments], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, env=around, cwd=ROOT)
     assert done.returncode == 1
-    assert "No space left on device" in one_line(done.stderr)
+    assert "the output can't be written: No space left on device" in one_line(done.stderr)
 
 
 @pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
@@ -316,7 +319,7 @@ def test_a_file_where_a_folder_belongs_is_one_line(tmp_path):
     with pytest.raises(UserError, match="can't be written"):
         write_text(tmp_path / "file/below.txt", "x")
     (tmp_path / "folder").mkdir()
-    with pytest.raises(UserError, match="can't be written: Is a directory"):
+    with pytest.raises(UserError, match="can't be written: it is a folder or a device"):
         write_text(tmp_path / "folder", "x")
     with pytest.raises(UserError, match=r"\.: names no file to write"):
         write_text(Path(""), "x")

@@ -15,7 +15,7 @@ from pathlib import Path
 from firmware.flash_map import HEADER, IMAGE_MOST, SLOTS, Header, parse_header
 
 from ...util.errors import UserError
-from ...util.files import write_bytes
+from ...util.files import read_bytes, write_bytes
 
 FORMAT = 1
 _ABOUT = "image.json"
@@ -83,7 +83,7 @@ def write_image_file(image: ImageFile, path: Path) -> None:
 def read_image_file(path: Path) -> ImageFile:
     """Return the image of a file; UserError if it is none, or not whole."""
     try:
-        with zipfile.ZipFile(path) as archive:
+        with zipfile.ZipFile(io.BytesIO(read_bytes(path))) as archive:
             about = json.loads(archive.read(_ABOUT))
             slots = tuple(archive.read(f"slot_{name}.bin") for name in SLOTS)
             loader = archive.read("loader.bin")

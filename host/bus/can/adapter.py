@@ -10,11 +10,16 @@ thrown away. On gs_usb nothing can be overtaken; the cycle repeats a stop until 
 """
 
 import errno
+import logging
+import os
 import socket
 import struct
+import sys
+import termios
 import threading
 import time
 from collections import deque
+from contextlib import suppress
 from ipaddress import ip_address
 from typing import Any
 
@@ -26,22 +31,26 @@ from .port import Port, Received
 
 INTERFACES = ("socketcan", "slcan", "gs_usb", "virtual", "udp_multicast")
 REOPEN_S = 0.1
+LAST_ID, LONGEST = 0x7FF, 8  # of a classical frame with a short identifier
 SKIP_MOST = 32  # frames of other kinds to skip while looking for one of ours
 FIRST_PRIORITY = 6  # the highest that needs no privileges (socket(7)); pfifo_fast sends it before all others
 FRAME = struct.Struct("=IB3x8s")  # linux/can.h: struct can_frame
+IP_MULTICAST_ALL, IPV6_MULTICAST_ALL = 49, 29  # linux/in.h, linux/in6.h
 LOCKED_S = 0.005  # a sender that takes longer hangs in its driver
 ECHO_S = 5.0  # one of our own frames that has not come back by then was lost; a busy machine may delay it (chosen)
 SERIAL_BAUD = 115200
 MULTICAST = "ff15:7079:7468:6f6e:6465:6d6f:6d63:6173"  # python-can's own group
 
+logging.getLogger("can").addHandler(logging.NullHandler())  # an error is one line, and that is ours
+
 _FULL = (errno.ENOBUFS, errno.EAGAIN)
-_DOWN = (errno.ENETDOWN, errno.ENODEV, errno.EIO)
+_DOWN = (errno.ENETDOWN, errno.ENETUNREACH, errno.ENODEV, errno.EIO)
 _BUS_OFF_BIT = 0x40  # linux/can/error.h: CAN_ERR_BUSOFF
 _HINTS = {
     "socketcan": "is it up? run: sudo ip link set {} up type can bitrate {}",
     "slcan": "check that the adapter is plugged in and that you may use the port (group dialout)",
-    "gs_usb": "check that the adapter is plugged in; CHANNEL is its number, 0 for the first",
-    "udp_multicast": "start caramelo joints sim first",
+    "gs_usb": "check that the adapter is plugged in, and that its library is installed: pip install gs_usb",
+    "udp_multicast": "does a network that is up carry multicast? see: ip link; ip route",
     "virtual": "virtual buses exist only within one process",
 }
 
@@ -76,14 +85,16 @@ class AdapterPort(Port):
         try:
             first = _first_socket(channel) if interface == "socketcan" else None
             bus = can.Bus(**options)
-            self._first = first
-            return bus
         except (can.CanError, can.CanInterfaceNotImplementedError, OSError, ValueError, ImportError) as error:
             if "msgpack" in str(error):
                 how = how_to_get("msgpack")
                 raise UserError(f"udp_multicast needs msgpack, which is not installed: {how}") from error
             hint = _HINTS[interface].format(channel, self.bitrate)
-            raise UserError(f"can't open {self.name}: {error}; {hint}") from error
+            raise UserError(f"can't open {self.name}: {error.__cause__ or error}; {hint}") from error
+        if interface == "udp_multicast" and sys.platform == "linux":
+            _hear_only_its_group(bus)
+        self._first = first
+        return bus
 
     def send(self, identifier: int, data: bytes) -> bool:
         """See Port."""
@@ -104,9 +115,9 @@ class AdapterPort(Port):
             self.counters.full += 1
             return False
         try:
-            port = getattr(self._bus, "serialPortOrig", None)
-            if port is not None:
-                port.reset_output_buffer()
+            with suppress(OSError, termios.error):  # sending then fails too, and that is counted
+                for line in _serial_lines(self._bus):
+                    line.reset_output_buffer()
             return self._send(identifier, data)
         finally:
             self._sending.release()
@@ -126,7 +137,7 @@ class AdapterPort(Port):
         return True
 
     def _failed(self, error: Exception) -> None:
-        code = getattr(error, "error_code", None) or getattr(error, "errno", None)
+        code = getattr(error, "error_code", None) or getattr(error.__cause__ or error, "errno", None)
         if code in _DOWN:
             self._bus_off()
         elif code in _FULL or code is None:
@@ -141,19 +152,28 @@ class AdapterPort(Port):
                 return None
             try:
                 message = self._bus.recv(timeout=0)
-            except (can.CanError, OSError):
-                self._bus_off()
-                return None
+            except (can.CanError, OSError, ValueError, IndexError) as error:
+                self._not_received(error)
+                continue
             if message is None:
                 return None
             if message.is_error_frame:
                 if message.arbitration_id & _BUS_OFF_BIT:
                     self._bus_off()
-            elif not message.is_extended_id and not message.is_remote_frame and not self._is_echo(message):
+            elif _is_ours(message) and not self._is_echo(message):
                 self._off_s = None
                 self.counters.received += 1
                 return Received(self.now(), message.arbitration_id, bytes(message.data))
         return None
+
+    def _not_received(self, error: Exception) -> None:
+        """Go off the bus if the system refused; count what came but is no frame, such as noise on a serial line."""
+        if isinstance(error.__cause__ or error, OSError):
+            self._bus_off()
+            return
+        self.counters.unreadable += 1
+        if self._how[0] == "slcan":
+            self._bus._buffer.clear()  # noise that is no text would stay before all that follows
 
     def _is_echo(self, message: can.Message) -> bool:
         """Return whether a frame is one of our own: a multicast group returns each to its sender, in order."""
@@ -207,12 +227,36 @@ class AdapterPort(Port):
         if first is not None:
             first.close()
         if bus is not None:
-            bus.shutdown()
+            lines = _serial_lines(bus)
+            with suppress(can.CanError, OSError):  # slcan says good-bye on a line that may be gone
+                bus.shutdown()
+            for line in lines:
+                line.close()
 
     def close(self) -> None:
         """See Port."""
         self._shut()
         self._reopen_s = float("inf")
+
+
+def _hear_only_its_group(bus: Any) -> None:
+    """Close a multicast socket to the groups of other programs: Linux gives it all that this machine has joined."""
+    with socket.socket(fileno=os.dup(bus.fileno())) as same:
+        if same.family == socket.AF_INET6:
+            same.setsockopt(socket.IPPROTO_IPV6, IPV6_MULTICAST_ALL, 0)
+        else:
+            same.setsockopt(socket.IPPROTO_IP, IP_MULTICAST_ALL, 0)
+
+
+def _serial_lines(bus: Any) -> list[Any]:
+    """Return the serial port of an slcan adapter; other buses have none."""
+    return [bus.serialPortOrig] if hasattr(bus, "serialPortOrig") else []
+
+
+def _is_ours(message: can.Message) -> bool:
+    """Return whether it is a frame of the kind that we use; other nodes may send any, noise becomes any."""
+    special = message.is_extended_id or message.is_remote_frame or message.is_fd
+    return not special and 0 <= message.arbitration_id <= LAST_ID and len(message.data) <= LONGEST
 
 
 def _first_socket(channel: str) -> socket.socket:

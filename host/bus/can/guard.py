@@ -123,7 +123,8 @@ class Guard:
         if heartbeat.fault:
             return Notice(view.node, "fault", f"{name}: {self.fault_text(view)}", "damp")
         if heartbeat.session != self.link.session:
-            return Notice(view.node, "reset", f"{name} was reset: check its supply and its connector", "damp")
+            text = f"{name} was disarmed by another program, or was reset: check its supply"
+            return Notice(view.node, "reset", text, "damp")
         if now - view.reply_s > SILENT_S:
             return Notice(view.node, "silent", f"{name} has not replied for {now - view.reply_s:.2f} s", "damp")
         if view.status.limits & _HOT:

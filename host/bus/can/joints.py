@@ -117,10 +117,14 @@ class CanJoints(Bus):
 
     def make_ready(self) -> None:
         """Look for boards, refuse with UserError joints that must not be armed, home joints without an encoder."""
-        wrong = self.cycle.guard.before_arming(self.requests.discover())
+        self.refuse_unfit(self.requests.discover())
+        self._home()
+
+    def refuse_unfit(self, boards: dict[int, set[int]] | None = None) -> None:
+        """Refuse with UserError joints that must not be armed; ``boards`` as discovered."""
+        wrong = self.cycle.guard.before_arming(boards)
         if wrong:
             raise UserError("; ".join(notice.sentence for notice in wrong), NOT_ACHIEVED)
-        self._home()
 
     def listen(self) -> None:
         """Wait for two heartbeats of every joint, and longer for those that are late."""
@@ -178,14 +182,14 @@ class CanJoints(Bus):
             raise UserError(OVERTAKEN, NOT_ACHIEVED)
         return self.requests
 
-    def _await_off(self) -> None:
-        """Wait until all joints have confirmed that they let go; UserError names one that has not."""
+    def await_off(self) -> None:
+        """Wait until all joints have confirmed that they let go; UserError names those that have not."""
         end_s = self.now() + OFF_S
         while self.cycle.letting_go and self.now() < end_s:
             self.cycle.run_until(self.now() + self.cycle.period_s)
         if self.cycle.letting_go:
-            name = joint_name(self.cycle.holding[0])
-            raise UserError(f"{name} has not confirmed that it let go: check its power and the CAN cable", NOT_ACHIEVED)
+            names = ", ".join(joint_name(node) for node in self.cycle.holding)
+            raise UserError(f"not confirmed to have let go: {names}: check power and the CAN cable", NOT_ACHIEVED)
 
     def run_for(self, seconds: float) -> None:
         """Go on with the cycle for a time."""
@@ -271,10 +275,8 @@ class CanJoints(Bus):
                 self._run_until_off(OFF_S)
 
     def _arm(self) -> None:
-        wrong = self.cycle.guard.before_arming()
-        if wrong:
-            raise UserError("; ".join(notice.sentence for notice in wrong), NOT_ACHIEVED)
-        self._await_off()
+        self.refuse_unfit()
+        self.await_off()
         self._write_current_limits()
         views = self.link.views
         self.cycle.hold()
@@ -331,7 +333,7 @@ class CanJoints(Bus):
 
     def _clear(self) -> None:
         """Clear the joints that have a fault, once all have heard that they must let go."""
-        self._await_off()
+        self.await_off()
         self.cycle.notices = []
         for node in self.link.nodes:
             if self.link.views[node].state == w.STATE_FAULT:

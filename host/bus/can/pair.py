@@ -4,6 +4,9 @@ Frames to one joint go to its bus, frames to all go to both. The host passes an 
 one bus, it sends it on the other before it reads anything else.
 """
 
+from dataclasses import astuple
+from operator import add
+
 from shared.wire import names as w
 from shared.wire.framing import frame_block, frame_node, setpoint_group
 
@@ -42,7 +45,7 @@ class PairPort(Port):
     def counters(self) -> PortCounters:
         """Return the sum of both buses' counters."""
         a, b = (port.counters for port in self.ports)
-        return PortCounters(a.sent + b.sent, a.received + b.received, a.full + b.full, a.bus_off + b.bus_off)
+        return PortCounters(*map(add, astuple(a), astuple(b)))
 
     @counters.setter
     def counters(self, value: PortCounters) -> None:

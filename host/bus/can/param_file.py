@@ -9,7 +9,7 @@ from shared.wire.names import PROTOCOL_HASH
 
 from ...protocol.parameters import Parameter, ParameterError, load
 from ...util.errors import UserError
-from ...util.files import write_text
+from ...util.files import read_text, write_text
 
 NOT_IN_FILES = "node_id"  # a file may go to another joint, which keeps its own node
 
@@ -28,7 +28,7 @@ def write_file(path: Path, node: int, values: Mapping[str, int]) -> None:
 def read_file(path: Path) -> dict[str, int]:
     """Return the raw values of a file, each known and within its limits; UserError names what is wrong."""
     try:
-        content: Any = json.loads(path.read_text())
+        content: Any = json.loads(read_text(path))
         protocol, values = content["protocol"], dict(content["parameters"])
     except OSError as error:
         raise UserError(f"{path}: can't be read: {error.strerror or error}") from error

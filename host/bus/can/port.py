@@ -20,10 +20,14 @@ class Received(NamedTuple):
 
 @dataclass
 class PortCounters:
-    """Counts of frames: ``full`` found no room in the send buffer; ``bus_off`` is how often the node was off."""
+    """Counts of frames: what was ``unreadable`` is none, ``full`` found no room in the send buffer.
+
+    ``bus_off`` is how often the node was off.
+    """
 
     sent: int = 0
     received: int = 0
+    unreadable: int = 0
     full: int = 0
     bus_off: int = 0
 

@@ -278,8 +278,8 @@ class Link:
             return call(*arguments)
         except (serial.SerialException, OSError, termios.error) as error:
             self.port.is_using = False
-            name = self.port.port_name
-            raise ServoError(f"{name}: the adapter is gone ({error}): plug it in and start the command again") from None
+            what = f"{self.port.port_name}: the adapter is gone ({error.args[-1]})"
+            raise ServoError(f"{what}: plug it in and start the command again") from None
 
 
 def serial_bus(robot: Robot) -> ServoBus:

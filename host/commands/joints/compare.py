@@ -23,6 +23,7 @@ COLUMNS = {
     "error_after_lag_deg": ("left deg", "{:.2f}"),
     "lowest_body_m": ("body m", "{:.3f}"),
 }
+WIDTH = 90  # of the table
 
 
 def compare(
@@ -52,7 +53,7 @@ def compare(
         write_json({"seconds": seconds, "walks": rows})
     else:
         head = tuple(heading for heading, _ in COLUMNS.values())
-        print_table(head, [tuple(_cell(row[key], form) for key, (_, form) in COLUMNS.items()) for row in rows])
+        print_table(head, [tuple(_cell(row[key], form) for key, (_, form) in COLUMNS.items()) for row in rows], WIDTH)
         for row in rows:
             if row["stopped"]:
                 name = f"{row['loops']}, {row['rate_hz']} Hz"

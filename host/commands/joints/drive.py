@@ -44,22 +44,24 @@ def arm(
 def disarm(
     robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False
 ) -> int:
-    """Disarm all joints, no matter which program armed them.
+    """Disarm all joints, no matter which program armed them. Exit code 1 if one does not confirm it.
 
     Example: caramelo joints disarm
     """
     with joints(robot, interface, channel, sim) as bus:
         bus.torque(False)
-    screen().print("told all joints to let go")
+        bus.await_off()
+    screen().print("all joints have let go")
     return 0
 
 
 def clear(robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False) -> int:
-    """Clear latched faults. This arms nothing. Exit code 1 if a cause is still there.
+    """Clear latched faults. This arms nothing. Exit code 1 if something still prevents arming.
 
     Example: caramelo joints clear
     """
     with joints(robot, interface, channel, sim) as bus:
         bus.clear_faults()
+        bus.refuse_unfit()
     screen().print("no fault is latched")
     return 0

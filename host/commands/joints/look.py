@@ -10,6 +10,7 @@ import typer
 
 from ...util.console import print_table, screen, write_json
 from ...util.errors import NOT_ACHIEVED, UserError
+from ...util.files import not_written, writing
 from .options import Channel, Interface, Json, RobotName, Seconds, Sim, joints
 from .table import rows_of, table
 
@@ -56,8 +57,8 @@ def status(
         write_json({"joints": rows, "port": counters, "trouble": trouble})
     else:
         screen().print(table(rows))
-        screen().print("frames: {sent} sent, {received} received, {full} lost to a full send buffer; "
-                       "{bus_off} times bus-off".format(**counters))
+        screen().print("frames: {sent} sent, {received} received, {unreadable} unreadable, "
+                       "{full} lost to a full send buffer; {bus_off} times bus-off".format(**counters))
         if trouble:
             screen().print(trouble, soft_wrap=True)
     return 0 if all(row["fault"] == "none" for row in rows) else NOT_ACHIEVED
@@ -102,8 +103,9 @@ def monitor(
                 bus.run_for(REFRESH_S)
                 rows = rows_of(bus)
                 live.update(table(rows, plot, [curves.add(row["joint"], row.get(key)) for row in rows]), refresh=True)
-                if record is not None:
-                    record.write(json.dumps({"time_s": round(bus.now() - began_s, 3), "joints": rows}) + "\n")
+                if record is not None and out is not None:
+                    with writing(out):
+                        record.write(json.dumps({"time_s": round(bus.now() - began_s, 3), "joints": rows}) + "\n")
         except KeyboardInterrupt:
             screen().print("stopped")
     return 0
@@ -116,9 +118,10 @@ def _record(path: Path | None) -> Iterator[TextIO | None]:
         yield None
         return
     try:
-        with path.open("x", buffering=1) as file:
-            yield file
+        file = path.open("x", buffering=1)
     except FileExistsError:
         raise UserError(f"--out {path}: the file exists: name another") from None
     except OSError as error:
-        raise UserError(f"--out {path}: can't be written: {error.strerror or error}") from error
+        raise not_written(f"--out {path}", error) from error
+    with file:
+        yield file

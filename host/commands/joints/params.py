@@ -71,9 +71,9 @@ def save(
     from ...bus.can.params import read_kept
 
     with joints(robot, interface, channel, sim) as bus:
-        bus.requests.demand(node, w.COMMAND_SAVE_PARAMETERS)
         if file is not None:
             write_file(file, node, read_kept(bus.requests, node))
+        bus.requests.demand(node, w.COMMAND_SAVE_PARAMETERS)
     screen().print(f"node {node}: parameters saved" + (f", also to {file}" if file else ""), soft_wrap=True)
     return 0
 

@@ -110,6 +110,7 @@ def _unlike(who: str, difference: str) -> UserError:
 def local_cluster(jobs: int) -> Iterator[Cluster]:
     """Yield ``jobs`` processes of this computer; they end with the block."""
     with _ctrl_c_for_this_process_only():
+        logging.getLogger("distributed.process").disabled = True  # at exit it tells of those that did not start
         try:
             made = LocalCluster(
                 n_workers=jobs, threads_per_worker=1, processes=True, host="127.0.0.1", dashboard_address="127.0.0.1:0",

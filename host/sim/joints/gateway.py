@@ -57,7 +57,7 @@ class Gateway:
         kind, _, number = text.partition(":")
         try:
             after_ms, node = round(1000 * float(when)), int(number or 1)
-        except ValueError:
+        except (ValueError, OverflowError):
             after_ms, node = -1, 0
         if kind not in FAULTS or after_ms < 0 or not 1 <= node <= len(self.sim.joints):
             raise UserError(

@@ -73,6 +73,14 @@ def test_every_part_can_be_bad_and_says_why(seen):
         assert words in found[1]
 
 
+def test_an_answer_that_came_late_after_all_is_no_error_below_nothing(seen):
+    told, first, last = seen
+    began = {**first, **timing(seen, ticks=0), "bus_errors": 12, "lost_by_joint": [1] * 12}
+    changed = {"bus_asked": began["bus_asked"] + 1000, "bus_errors": 0, "lost_by_joint": [0] * 12}
+    lines = verdicts((told, began, last), **changed)
+    assert lines["bus"] == ("ok", "0 errors in 1000 answers")
+
+
 def test_versions_that_differ_are_noted(seen):
     own = seen[0]["versions"]
     assert verdicts(seen, {"versions": {**own, "joints": "1.0.0, 1.1.0"}})["versions"][0] == "note"

@@ -139,6 +139,7 @@ def test_nobody_answers(new):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
+        ({"thigh": "inf"}, "--thigh: value inf: allowed: a number within 0.01 .. 1 m"),
         ({"thigh": 120}, "--thigh: value 120.0: allowed: a number within 0.01 .. 1 m (120 mm or g are 0.12)"),
         ({"hip-mass": 0}, "--hip-mass: value 0.0: allowed: a number within 0.001 .. 100 kg"),
         ({"joints": "solo12"}, '--joints: value "solo12": allowed: one of "caramelo", "parallel"'),

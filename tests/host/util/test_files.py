@@ -1,11 +1,15 @@
 """Files of the user: every kind of TOML is read in one way, and names from files are only names."""
 
+import errno
+import os
 import re
+from pathlib import Path
 
 import pytest
 
 from host.cli import main
-from host.util.files import file_name, read_toml
+from host.util.errors import UserError
+from host.util.files import file_name, read_toml, write_text, writing
 from tests import ROOT
 
 # Besides the one place, those that read only what comes with the software.
@@ -14,9 +18,9 @@ NESTED = "a = " + "[" * 3000
 COMMANDS = [
     ["robots", "check", "{}"], ["robots", "show", "{}"], ["walk", "--robot", "{}"],
     ["calibrate", "--sim", "--robot", "{}"], ["calibrate", "--sim", "--answers", "{}"],
-    ["teleop", "--sim", "--robot", "{}"], ["servos", "scan", "--robot", "{}"],
-    ["teleop", "--sim", "--calibration", "{}"], ["joints", "scan", "--sim", "--robot", "{}"],
-    ["firmware", "build", "--role", "gait", "--robot", "{}"],
+    ["teleop", "--sim", "--json", "--measure", "1", "--robot", "{}"], ["servos", "scan", "--robot", "{}"],
+    ["teleop", "--sim", "--json", "--measure", "1", "--calibration", "{}"],
+    ["joints", "scan", "--sim", "--robot", "{}"],
 ]  # fmt: skip
 
 
@@ -29,6 +33,7 @@ def test_whatever_lies_in_a_toml_file_is_told_in_a_line(capsys, tmp_path, comman
     err = capsys.readouterr().err
     assert err.count("\n") == 1
     assert err.strip("\n").isprintable()
+    assert str(path) in err
 
 
 def test_no_other_place_parses_toml():
@@ -56,3 +61,58 @@ def test_a_foreign_name_is_one_file_in_the_folder(tmp_path, foreign):
 def test_different_names_stay_different():
     names = ["", "%", ".", "..", "%2E", "%2E.", "/", "%2F", "a/b", "a%2Fb", "A", "a"]
     assert len({file_name(name) for name in names}) >= len(names) - 1  # the empty one is written as %
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs named pipes")
+def test_a_device_is_never_replaced_by_a_file(tmp_path):
+    """As root, --out /dev/null made /dev/null a file."""
+    os.mkfifo(tmp_path / "pipe")
+    with pytest.raises(UserError, match="pipe: can't be written: it is a folder or a device: name a file"):
+        write_text(tmp_path / "pipe", "x")
+    assert (tmp_path / "pipe").is_fifo()
+
+
+def test_a_link_stays_one_and_its_file_is_written(tmp_path):
+    (tmp_path / "there").mkdir()
+    (tmp_path / "link").symlink_to("there/file")
+    for content in ("first", "second"):
+        write_text(tmp_path / "link", content)
+        assert (tmp_path / "link").is_symlink()
+        assert (tmp_path / "there/file").read_text() == content
+    assert os.listdir(tmp_path / "there") == ["file"]
+
+
+@pytest.mark.parametrize(("number", "code"), [(errno.ENOSPC, 1), (errno.EDQUOT, 1), (errno.EACCES, 2)])
+def test_a_full_disk_is_not_wrong_use(tmp_path, number, code):
+    with pytest.raises(UserError, match="x: can't be written: ") as raised, writing(tmp_path / "x"):
+        raise OSError(number, os.strerror(number))
+    assert raised.value.exit_code == code
+
+
+@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="needs /dev/zero")
+@pytest.mark.parametrize(
+    "command",
+    ["calibrate --sim --answers", "joints params restore 5 --sim --file", "flash --port /dev/null", "robots check"],
+)
+def test_a_file_that_never_ends_is_a_line(capsys, tmp_path, command):
+    """They read until the memory was full."""
+    path = tmp_path / "endless.toml"
+    path.symlink_to("/dev/zero")
+    assert main([*command.split(), str(path)]) == 2
+    assert capsys.readouterr().err.startswith(f"caramelo: {path}: ")
+
+
+@pytest.mark.parametrize("wrong", ["folder", "file/sub/x.toml"])
+@pytest.mark.parametrize("command", ["calibrate --sim --out", "calibrate --sim --record", "servos setup --sim --record",
+                                     "robots new --force", "tune --out"])  # fmt: skip
+def test_a_file_that_cannot_be_written_is_refused_before_the_work(capsys, tmp_path, monkeypatch, command, wrong):
+    """A calibration was asked for to its end first."""
+    monkeypatch.setattr("builtins.input", lambda *_: pytest.fail("asked something"))
+    (tmp_path / "folder.toml").mkdir()
+    (tmp_path / "file").write_text("mine")
+    path = tmp_path / (wrong if wrong != "folder" else "folder.toml")
+    assert main([*command.split(), str(path)]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert "name a file" in said.err or "name a folder" in said.err
+    assert sorted(os.listdir(tmp_path)) == ["file", "folder.toml"]

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from ....util.console import plain, say
 from ....util.errors import UserError
-from ....util.files import read_toml, write_text
+from ....util.files import check_file, read_toml, write_text
 
 
 class Person(Protocol):
@@ -52,6 +52,7 @@ class AtTerminal:
     there = True
 
     def __init__(self, record: Path | None = None) -> None:
+        check_file("--record", record)
         self._record = record
         self.answers = read_answers(record) if record is not None and record.exists() else dict[str, str]()
 

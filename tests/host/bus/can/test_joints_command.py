@@ -9,7 +9,7 @@ from host.bus.can.adapter import AdapterPort
 from host.protocol.dbc import parse
 from host.robot.file import load_robot
 from host.sim.joints.gateway import Gateway
-from host.sim.joints.sim_robot import SimRobot
+from host.sim.joints.sim_robot import SimRobot, power_off
 from host.util.errors import UserError
 from shared.wire.names import HEARTBEAT_ID, PROTOCOL_HASH
 from tests.waiting import PATIENCE_S
@@ -163,6 +163,37 @@ def test_joints_behind_a_bus_answer_as_real_ones_and_faults_are_told(joints, sha
     assert volts[3] == pytest.approx(12.0, abs=0.3)
 
 
+@pytest.fixture
+def without_a_joint(shared_bus):
+    """Options for a bus on which the FL thigh has no power."""
+    power_off(shared_bus.sim, [5])
+    thread = threading.Thread(target=shared_bus.run, args=(None,), daemon=True)
+    thread.start()
+    yield ("--interface", "virtual", "--channel", "caramelo-gateway")
+    shared_bus.stopping = True
+    thread.join(PATIENCE_S)
+
+
+def test_disarming_is_not_done_before_every_joint_has_confirmed_it(joints, without_a_joint):
+    code, out, err = joints("disarm", *without_a_joint)
+    assert (code, out) == (1, "")
+    assert "not confirmed to have let go: FL thigh (node 5): check power" in err
+
+
+def test_no_fault_is_latched_is_not_said_of_a_joint_that_is_silent(joints, without_a_joint):
+    code, out, err = joints("clear", *without_a_joint)
+    assert (code, out) == (1, "")
+    assert "FL thigh (node 5) is not there" in err
+
+
+def test_parameters_that_no_file_takes_are_not_saved_either(joints, tmp_path, monkeypatch):
+    asked = []
+    monkeypatch.setattr("host.bus.can.service.Requests.demand", lambda self, node, command, *_: asked.append(command))
+    monkeypatch.setattr("host.bus.can.params.read_kept", lambda requests, node: {})
+    assert joints("params", "save", "5", "--sim", "--file", str(tmp_path))[0] == 2
+    assert asked == []
+
+
 def test_two_buses_are_simulated_with_their_faults(joints):
     """The rear legs' joint on the second bus gets hot; a machine that is too slow only says so."""
     words = ("--interface", "virtual", "--channel", "caramelo-front,caramelo-rear", "--fault", "hot:9@0.01")
@@ -180,7 +211,7 @@ def test_two_buses_are_simulated_with_their_faults(joints):
     assert heartbeats == [set(range(1, 7)), set(range(7, 13))]
 
 
-@pytest.mark.parametrize("fault", ["melt:3@1", "e-stop:13@1", "e-stop", "power-off:2@-1"])
+@pytest.mark.parametrize("fault", ["melt:3@1", "e-stop:13@1", "e-stop", "power-off:2@-1", "hot:2@inf", "hot:2@nan"])
 def test_a_fault_that_is_none_is_refused(shared_bus, fault):
     with pytest.raises(UserError, match="--fault"):
         shared_bus.inject(fault)

@@ -68,7 +68,7 @@ def test_letting_go_is_repeated_until_every_joint_says_so(standing, how):
 def test_no_reset_as_long_as_a_joint_has_not_said_that_it_let_go(standing):
     power_off(standing.sim, [9])
     standing.bus.emergency_stop()
-    with pytest.raises(UserError, match=r"RR calf \(node 9\) has not confirmed that it let go"):
+    with pytest.raises(UserError, match=r"not confirmed to have let go: RR calf \(node 9\): check"):
         standing.bus.clear_faults()
     assert standing.bus.cycle.letting_go == "stop", "still repeated"
 

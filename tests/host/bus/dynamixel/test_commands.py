@@ -96,6 +96,9 @@ def test_numbering_switching_restarting(run):
         (("monitor", "--calibration", "no.toml"), 2, "run: caramelo calibrate"),
         (("budget", "--baud", "57600"), 1, ""),
         (("budget",), 0, ""),
+        (("budget", "--baud", "-5"), 2, "--baud -5: allowed 9600"),
+        (("budget", "--baud", "0"), 2, "--baud 0: allowed 9600"),
+        (("budget", "--latency", "inf", "--json"), 2, "--latency"),
     ],
 )
 def test_errors_are_one_line(run, arguments, code, words):

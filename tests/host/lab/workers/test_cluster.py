@@ -1,5 +1,6 @@
 """Workers elsewhere: the same figures as here, one killed or not; others than this are found before they work."""
 
+import logging
 from pathlib import Path
 
 import pytest
@@ -10,9 +11,10 @@ pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 from host.lab.experiments.foot_in_air import AirTrial
 from host.lab.experiments.trials import trial_conditions
 from host.lab.workers import remote, versions
-from host.lab.workers.cluster import standing_cluster
+from host.lab.workers.cluster import local_cluster, standing_cluster
 from host.lab.workers.work import Here
 from host.robot.file import load_robot
+from host.util.errors import UserError
 from tests.host.lab.workers.standing import standing
 from tests.waiting import wait_until
 
@@ -123,3 +125,17 @@ def test_the_fingerprint_is_of_code_and_data(tmp_path, monkeypatch):
 def test_a_worker_that_came_later_is_asked_too():
     with pytest.raises(remote.OtherVersionsError, match=r"numpy .* where this has 1\.0"):
         remote.run_task(b"", dict(versions.versions()) | {"numpy": "1.0"})
+
+
+def test_processes_that_do_not_start_are_one_line(monkeypatch):
+    """At exit dask told of each that it ended then, behind the line that says why."""
+    process = logging.getLogger("distributed.process")
+    monkeypatch.setattr(process, "disabled", False)
+
+    def none_starts(**_):
+        raise RuntimeError("no memory")
+
+    monkeypatch.setattr("host.lab.workers.cluster.LocalCluster", none_starts)
+    with pytest.raises(UserError, match="--jobs 64: a process ended while it started"), local_cluster(64):
+        pytest.fail("none has started")
+    assert not process.isEnabledFor(logging.CRITICAL)
