@@ -20,15 +20,27 @@ ROOT = Path(__file__).resolve().parent.parent
 OF_SOURCES = ("tests/host/boards", "tests/firmware", "tests/shared")
 GIVES_WAY = ("nice", "-n", "5")  # a third of the processor time of one that does not
 INTERRUPTED = 130  # exit code, as a shell has it
+ENDS = (signal.SIGINT, signal.SIGTERM)
+
+
+def hear() -> None:
+    """Take what ends this process, from now on and what has waited."""
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDS)
 
 
 @contextmanager
 def started(
     command: Sequence[str], env: Mapping[str, str] | None = None, to: IO[bytes] | None = None
 ) -> Iterator[subprocess.Popen[bytes]]:
-    """Run a command meanwhile, its output shown or ``to`` a file; ended at the latest when the block is left."""
-    running = subprocess.Popen(command, cwd=ROOT, env=env, stdout=to, stderr=subprocess.STDOUT if to else None)
+    """Run a command meanwhile, its output shown or ``to`` a file; ended at the latest when the block is left.
+
+    Whoever is ended while it starts a process would never know it.
+    """
+    signal.pthread_sigmask(signal.SIG_BLOCK, ENDS)
+    errors = subprocess.STDOUT if to else None
+    running = subprocess.Popen(command, cwd=ROOT, env=env, stdout=to, stderr=errors, preexec_fn=hear)
     try:
+        hear()
         yield running
     finally:
         running.terminate()

@@ -3,6 +3,7 @@
 import os
 import re
 import runpy
+import signal
 import subprocess
 import sys
 import tomllib
@@ -195,6 +196,26 @@ def test_make_test_ended_half_way_leaves_nothing_running(tmp_path):
     for run in runs.iterdir():
         with pytest.raises(ProcessLookupError):
             os.kill(int(run.name), 0)
+
+
+def test_make_test_ended_while_it_starts_a_run_ends_that_run_too(monkeypatch):
+    started = runpy.run_path(str(ROOT / ".ci/test.py"))["started"]
+    begun, popen = [], subprocess.Popen
+
+    def ended_meanwhile(*arguments, **options):
+        begun.append(popen(*arguments, **options))
+        os.kill(os.getpid(), signal.SIGTERM)
+        return begun[-1]
+
+    monkeypatch.setattr(subprocess, "Popen", ended_meanwhile)
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        with pytest.raises(KeyboardInterrupt), started(("sleep", "600")):
+            pass
+        assert begun[0].poll() == -signal.SIGTERM
+    finally:
+        signal.signal(signal.SIGTERM, before)
+        begun[0].kill()
 
 
 @pytest.mark.parametrize(("has_mujoco", "world"), [(True, "space"), (False, "plane")])

@@ -191,17 +191,28 @@ def test_a_spoilt_unfinished_file_is_refused(tray, tmp_path, content, words):
         setup(tray, None, tmp_path / "unfinished").run(range(12))
 
 
+class PatientHands(Hands):
+    """Plugs in, joint by joint, what ``tries`` says, and the last again: an emulated servo may answer too late."""
+
+    def __init__(self, emulator, **tries):
+        super().__init__()
+        self.emulator, self.tries = emulator, tries
+
+    def ask(self, key, question, choices):
+        self.asked.append(key)
+        assert len(self.asked) < 20, self.heard
+        tries = self.tries[key.split()[1]]
+        self.emulator.ask("plug", joints=tries.pop(0) if len(tries) > 1 else tries[0])
+        return ""
+
+
 def test_through_a_pseudo_terminal(tmp_path, monkeypatch):
     """Two servos, one of them plugged in too early, the other with its power off half-way."""
     monkeypatch.setattr("host.bus.dynamixel.setup.SLOW", 1)  # the other rates are searched above, where no time passes
     with Emulator("--plant", "bench", "--new") as emulator:
-
-        def plugs(*joints):
-            return lambda: emulator.ask("plug", joints=joints)
-
         port = ServoPort(emulator.port, BAUD)
         port.open()
-        person = Hands([plugs(), plugs(0, 1), plugs(0), plugs(1)])
+        person = PatientHands(emulator, hip=[(), (0, 1), (0,)], thigh=[(1,)])
         done = Setup(CARAMELO, Link(port), person, IDS, BAUD, tmp_path / "unfinished").run([0, 1])
         port.closePort()
         assert [(one.id, one.baud, one.found_id, one.found_baud) for one in done.values()] == [
