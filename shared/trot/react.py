@@ -70,17 +70,20 @@ def detect_held_up(params: Params, trot: Trot, leg: int) -> None:
     """Mark a foot as held up, and swing high from now on, if it is further behind its path than its diagonal mate.
 
     Both feet of a diagonal lag alike behind drives and bus, whether that lag is known or not. The difference that a
-    load or an unknown delay leaves recurs in every swing, and counts as usual. The longer the bus delay, the further
-    behind a foot may be that still goes ahead, because its lag is known later. A foot in the highest swing may just be
-    late: swings do not stay high for it. Intermediates: 2^16 * 2^12.
+    load or an unknown delay leaves recurs in every swing, and counts as usual. Drives that reach their limits, as while
+    the body speeds up, leave a difference that grows with the lag. The longer the bus delay, the further behind a foot
+    may be that still goes ahead, because its lag is known later. A foot in the highest swing may just be late: swings
+    do not stay high for it. Intermediates: 2^16 * 2^12.
     """
     state = trot.state
     setup = params.trot
     high = 0
     if trot.apex[leg] >= setup.high_lift:
         high = 1
-    behind = trot.residual_x[3 - leg] - trot.residual_x[leg]
+    mate_lag = -trot.residual_x[3 - leg]
+    behind = -mate_lag - trot.residual_x[leg]
     if state.foot_speed.x < 0:
+        mate_lag = -mate_lag
         behind = -behind
     turn = state.turn_18
     if turn < 0:
@@ -88,6 +91,8 @@ def detect_held_up(params: Params, trot: Trot, leg: int) -> None:
     most = params.leg_length * _BEHIND_EARLY_Q10 >> 10
     if state.swing_q15 > _FREE and high == 0:
         most = params.leg_length * _BEHIND_Q10 >> 10
+    if mate_lag > 0 and high == 0:
+        most += mate_lag >> 2
     if most > setup.push_lag:
         most = setup.push_lag
     if behind > trot.peak_lag[leg]:

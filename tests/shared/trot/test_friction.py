@@ -141,6 +141,23 @@ def test_a_foot_is_held_up_when_it_pushes_with_0_285_of_the_weight(name, pushes,
         assert walk.held_up[leg] == held
 
 
+@pytest.mark.parametrize(("mate_lag", "apart", "held"), [(0, 27, 1), (40, 27, 0), (40, 37, 1), (-40, 27, 1)])
+@pytest.mark.parametrize("way", [1, -1])
+def test_feet_whose_drives_are_at_their_limits_may_be_further_apart(way, mate_lag, apart, held):
+    """Lags in Q10 of the leg, late in a swing; 26 of it is the limit for a mate that is where it should be."""
+    _, params, walk = stood("caramelo")
+    walk.state.foot_speed.x, walk.state.swing_q15 = way * 400 << LF_BITS, 20000
+    part = params.leg_length / 1024
+    for leg in range(4):
+        unpack(walk.before, [0] * 12)
+        unpack(walk.measured, [0] * 12)
+        walk.measured.legs[3 - leg].x = way
+        walk.residual_x[leg] = -way * round((mate_lag + apart) * part)
+        walk.residual_x[3 - leg] = -way * round(mate_lag * part)
+        detect_held_up(params, walk, leg)
+        assert walk.held_up[leg] == held
+
+
 @pytest.mark.parametrize("name", ["caramelo", "parallel"])
 def test_late_is_the_same_in_floats(name):
     twin, _, walk = stood(name)
