@@ -1,8 +1,10 @@
 """The plane and space are two engines with one mechanics: the same legs swing the same body alike."""
 
-import mujoco
-import numpy as np
 import pytest
+
+mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
+
+import numpy as np
 
 from host.robot.file import load_robot
 from host.robot.plane import planar_robot
