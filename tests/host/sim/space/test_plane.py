@@ -2,8 +2,9 @@
 
 import pytest
 
-mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
+pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
 
+import mujoco
 import numpy as np
 
 from host.robot.file import load_robot
