@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 
-from host.robot.file import load_robot
+from host.robot.file import load_robot, robot_names
 from host.sim.grounds import GroundSpec
 from host.sim.motor.walking import joint_motors, transport
 from host.sim.walk import WalkSpec, facts, judged, own_speed_facts, run_walk, walk_result
@@ -19,6 +19,18 @@ TIPS = pytest.mark.xfail(reason="behind the step a front foot finds no ground, a
 def result(ok=True, speed=0.05, changes=()):
     """Return the figures of a made-up walk."""
     return {"ok": ok, "reason": "arrived" if ok else "fell", "mean_speed_m_s": speed, "gait_changes": list(changes)}
+
+
+@pytest.mark.parametrize("name", robot_names())
+def test_every_robot_trots_at_its_advised_speed_in_the_plane(name):
+    """Parallel made 0.3 of its 0.6 m/s, Pupper and SpotMicro pitched by 7 degrees, while rotors kept their momentum."""
+    robot = load_robot(name)
+    speed_m_s = robot.gait.advised_m_s["trot"]
+    walk = run_walk(WalkSpec(robot, "trot", speed_m_s, distance_m=6 * speed_m_s))
+    steady = walk.time_s > 3.0
+    way_m, seconds = np.ptp(walk.torso_x_m[steady]), np.ptp(walk.time_s[steady])
+    assert way_m / seconds == pytest.approx(speed_m_s, rel=0.05)
+    assert np.degrees(np.ptp(walk.torso_pitch_rad[steady])) < 5.0
 
 
 @pytest.mark.parametrize("start_m", [0.27, 0.3, 0.31, pytest.param(0.37, marks=TIPS)])
