@@ -295,9 +295,9 @@ class FloatTrot:
 
     def hold_up(self, leg):
         high = self.apex[leg] >= self.high
-        lag, mate_lag = (-self.residual[at][0] if self.foot_speed[0] >= 0 else self.residual[at][0]
-                         for at in (leg, 3 - leg))  # fmt: skip
-        behind = lag - mate_lag
+        back = 1 if self.foot_speed[0] < 0 else -1
+        mate_lag = back * self.residual[3 - leg][0]
+        behind = back * self.residual[leg][0] - mate_lag
         turning = 2 * abs(self.f.rests_m[0][1]) * tuning.TURN_LATE_S * abs(self.turn)
         most = (61 if self.u <= 0.4 or high else 26) / 1024 * self.leg_m + (0.0 if high else max(0.0, mate_lag) / 4)
         most = min(most, tuning.HELD_PUSH * self.f.gives_m)

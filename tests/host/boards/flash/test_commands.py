@@ -146,7 +146,7 @@ def test_several_boards_info_logs_and_reset(run, images, tmp_path):
         assert "version      3" in to_one("board", "info")[1]
         assert "nothing noted" in to_one("board", "logs")[1]
         assert to_one("board", "reset")[0] == 0
-        assert b"running 3" in one.said
+        assert one.wait_for(b"running 3")
 
 
 def test_micropython_without_our_firmware_is_told_what_to_do(run, tmp_path):

@@ -28,6 +28,7 @@ def flashed(tmp_path_factory):
     with PretendBoard(home / "count") as board:
         assert board.wait_for(b"running 1")
         flash(board.port, Wish(make("2")))
+        board.wait_for_own_start()
         assert board.wait_for(b"running 2")
     return home, [int(line) for line in (home / "count/writes").read_text().split()]
 
