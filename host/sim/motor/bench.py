@@ -152,7 +152,7 @@ class Bench:
             motor.advance(STEP_S / SUBSTEPS, bool(board.bridge), *duties)
         if self.fast is not None:
             self.fast.append(motor.i_q)
-        for current in motor.phases_A():
+        for current in motor.phases_A:
             if current > self.peak_A:
                 self.peak_A = current
             elif -current > self.peak_A:

@@ -67,6 +67,7 @@ class Motor:
         self.joint_rad, self.joint_rad_s = rotor_rad / g.ratio, 0.0
         self.elec_offset_rad = elec_offset_rad
         self.i_d = self.i_q = 0.0
+        self.phases_A = (0.0, 0.0, 0.0)  # at the board's three terminals, without ripple
         self.winding_C = self.housing_C = load.air_C
         self.heat_J = 0.0  # since the last warm()
         self.gear_Nm = 0.0  # at the joint
@@ -74,8 +75,7 @@ class Motor:
         self._decay_key = (0.0, 0.0)
         self._decay = self._decay_q = 0.0
 
-    def phases_A(self) -> tuple[float, float, float]:
-        """Return the currents at the board's three terminals, without ripple."""
+    def _phases_A(self) -> tuple[float, float, float]:
         e = self.pole_pairs * self.rotor_rad + self.elec_offset_rad
         c, s = cos(e), sin(e)
         alpha = self.i_d * c - self.i_q * s
@@ -95,11 +95,12 @@ class Motor:
             self.i_d = self.i_q = self.ripple_A = 0.0
             self.bus_V = self.supply_V
         self._mechanical(seconds)
+        self.phases_A = self._phases_A() if bridge else (0.0, 0.0, 0.0)
 
     def _electrical(self, seconds: float, a: float, b: float, c: float) -> None:
         """Exact decay of the windings, axes coupled through last values; dead time against each phase's current."""
         bus, dead = self.bus_V, self.dead_share
-        i_a, i_b, i_c = self.phases_A()
+        i_a, i_b, i_c = self.phases_A
         highest, lowest = max(a, b, c), min(a, b, c)
         a -= dead * (1.0 if i_a > 0.05 else -1.0 if i_a < -0.05 else i_a * 20)
         b -= dead * (1.0 if i_b > 0.05 else -1.0 if i_b < -0.05 else i_b * 20)

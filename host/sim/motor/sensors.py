@@ -54,7 +54,7 @@ class Sensors:
         """Write the readings for a current step; this also takes the encoder's answer for the next one."""
         at = self._at
         noise, offsets, scale, raw = self._noise, self.offsets_counts, self._per_A, out.raw
-        a, b, c = motor.phases_A()
+        a, b, c = motor.phases_A
         raw[0] = _counts(a * scale * self.wrong.shunt_gain + offsets[0] + noise[at] + self.wrong.shunt_offset_counts)
         raw[1] = _counts(b * scale + offsets[1] + noise[at + 1])
         raw[2] = _counts(c * scale + offsets[2] + noise[at + 2])
