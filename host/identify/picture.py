@@ -8,6 +8,7 @@ import numpy as np
 from ..bus.base import JOINT_LABELS
 from ..robot.actuators import Servo
 from ..util.files import atomic_path
+from ..util.pictures import make_figure
 from .fit import Fitted, JointFit, kind_of
 from .model import Array, Load, friction_Nm
 from .sweeping import Trace
@@ -18,16 +19,12 @@ SHOWN = (("runs", "run"), ("coasting, torque off while moving", "coast"), ("back
 
 def draw(path: Path, joint: int, servo: Servo, load: Load, traces: list[Trace], fitted: Fitted, words: str) -> None:
     """Draw one joint's sweeps into a PNG file."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
     fit = JointFit(servo, load, traces)
     p = {name: np.array([[value]]) for name, value in fitted.values.items()}
     fit.settle_at(p)
     seen = fit.seen(p)
-    figure, axes = pyplot.subplots(2, 3, figsize=(15, 8.5), layout="constrained")
+    figure = make_figure(15, 8.5)
+    axes = figure.subplots(2, 3)
     figure.suptitle(f"{JOINT_LABELS[joint]}: {words}\n{_numbers(fitted)}", fontsize=10)
     for (title, names), place in zip(SHOWN, axes.flat, strict=False):
         some = [row for row in seen if kind_of(row[0]) in names.split()]
@@ -38,7 +35,6 @@ def draw(path: Path, joint: int, servo: Servo, load: Load, traces: list[Trace], 
     axes.flat[0].legend(loc="upper left")
     with atomic_path(path) as draft:
         figure.savefig(draft, dpi=90, format="png")
-    pyplot.close(figure)
 
 
 def _numbers(fitted: Fitted) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from ..robot.model import JOINT_NAMES, LEG_NAMES
 from ..util.console import plain
 from ..util.files import atomic_path
+from ..util.pictures import make_figure
 from .reader import Record
 
 if TYPE_CHECKING:
@@ -34,12 +35,8 @@ FIELDS = {
 
 def plot_png(record: Record, path: Path) -> None:
     """Draw a record's ``FIELDS`` into a PNG file."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
-
-    figure, axes = pyplot.subplots(8, 1, figsize=(12, 19), sharex=True, layout="constrained")
+    figure = make_figure(12, 19)
+    axes = figure.subplots(8, 1, sharex=True)
     title = f"{record.about.get('robot', 'robot')[:LONGEST_NAME]}: {record.duration_s:.1f} s, {record.path.name}"
     figure.suptitle(plain(title), parse_math=False)
     _draw_joints(record, axes[:3])
@@ -59,7 +56,6 @@ def plot_png(record: Record, path: Path) -> None:
     with atomic_path(path) as draft, warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of letters that the font lacks
         figure.savefig(draft, dpi=100, format="png")
-    pyplot.close(figure)
 
 
 def _curves(record: Record, topic: str, name: str) -> "tuple[Array, Array]":

@@ -1,33 +1,22 @@
 """The experiments' pictures, drawn into PNG files."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from sim2d.recording import Recording
 
+from ...util.pictures import make_figure
 from .foot_in_air import Swing
 from .trials import PLANE, SPACE, Answer
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
 
 _COLOURS = ("#2f4a6d", "#d2691e", "#4c8c4a", "#a33b5e", "#7a6a3a", "#4b9bb5", "#8a5fb0", "#555555")
 
 
-def _figure(width: float, height: float) -> "Figure":
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    made = Figure(figsize=(width, height), layout="constrained")
-    FigureCanvasAgg(made)
-    return made
-
-
 def swings(cases: list[tuple[str, Swing]], target: Path) -> None:
     """Draw x, y and height over time, wanted and done, a column for each case."""
-    figure = _figure(5.5 * len(cases), 6)
+    figure = make_figure(5.5 * len(cases), 6)
     grid = figure.subplots(3, len(cases), squeeze=False, sharex=True)
     for column, (name, swing) in enumerate(cases):
         wanted, done = np.array(swing.wanted), np.array(swing.done)
@@ -48,7 +37,7 @@ def swings(cases: list[tuple[str, Swing]], target: Path) -> None:
 
 def attitudes(cases: list[tuple[str, Answer]], target: Path) -> None:
     """Draw pitch, and roll where there is one, over time: one strip for each case."""
-    figure = _figure(10, 0.6 + 1.7 * len(cases))
+    figure = make_figure(10, 0.6 + 1.7 * len(cases))
     grid = figure.subplots(len(cases), 1, squeeze=False)
     for axes, (name, answer) in zip(grid[:, 0], cases, strict=True):
         for what, degrees, colour in _angles(answer.recording):
@@ -73,7 +62,7 @@ Lines = dict[str, list[tuple[float, float]]]  # points by name
 
 def lines(panels: dict[str, Lines], x_label: str, y_label: str, limit: float | None, target: Path) -> None:
     """Draw a panel for each simulator, a line for each kind, and a limit, if there is one, across."""
-    figure = _figure(5.5 * len(panels), 4)
+    figure = make_figure(5.5 * len(panels), 4)
     grid = figure.subplots(1, len(panels), squeeze=False, sharey=True)
     for axes, (place, named) in zip(grid[0], panels.items(), strict=True):
         for i, (name, points) in enumerate(named.items()):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from shared.wire import names as w
 
 from ...util.files import atomic_path
+from ...util.pictures import make_figure
 
 FAULTY = (w.STATE_FAULT_REACTION, w.STATE_FAULT)
 LEAST_SPAN = (2.0, 0.2, 0.2, 0.2, 1.0)  # deg, rad/s, A, N m, K: what stands still is drawn as a line, not as its noise
@@ -17,12 +18,8 @@ if TYPE_CHECKING:
 
 def draw(result: "Result", path: Path) -> None:
     """Write the picture of a scenario."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
     t, limit = result.bench.trace, result.bench.bldc.drive.current_limit_A
-    figure = Figure(figsize=(10, 10), layout="constrained")
-    FigureCanvasAgg(figure)
+    figure = make_figure(10, 10)
     position, speed, current, torque, heat = figure.subplots(5, 1, sharex=True)
     figure.suptitle(f"{result.name}: {'ok' if result.ok else 'not achieved'}")
     position.plot(t.time_s, [degrees(x) for x in t.joint_rad], label="joint")
