@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..util.console import make_table, print_table, progress, screen, write_error, write_json
+from ..util.console import live_table, make_table, print_table, progress, screen, write_error, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
 from ._options import Json, RobotName
 from ._servo_setup import setup
@@ -219,11 +219,9 @@ def _watch(bus: "ServoBus", seconds: float | None, view: Callable[..., Any] | No
 
 @contextmanager
 def _live() -> Iterator[Callable[["ServoBus", "Measured"], None]]:
-    """Yield a function that shows a reading: on a terminal in place, else only the last one, at the end."""
-    from rich.live import Live
-
-    with Live(console=screen(), auto_refresh=False, transient=False) as live:
-        yield lambda bus, measured: live.update(_joint_table(bus, measured), refresh=True)
+    """Yield a function that shows a reading."""
+    with live_table() as show:
+        yield lambda bus, measured: show(_joint_table(bus, measured))
 
 
 def _joint_rows(bus: "ServoBus", m: "Measured") -> list[dict[str, Any]]:

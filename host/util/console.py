@@ -65,6 +65,20 @@ def print_table(head: Sequence[str], rows: Iterable[Sequence[object]], width: in
     console.print(make_table(head, rows), soft_wrap=bool(width))
 
 
+@contextmanager
+def live_table() -> Iterator[Callable[["Table"], None]]:
+    """Yield a function that shows a table on stdout: on a terminal in place, else only the last one, at the end."""
+    from rich.live import Live
+
+    console = screen()
+    try:
+        with Live(console=console, auto_refresh=False) as live:
+            yield lambda table: live.update(table, refresh=True)
+    finally:
+        if not console.is_terminal:
+            console.line()  # that Live leaves out
+
+
 def tell_written(paths: Iterable[object]) -> None:
     """Print which files were written."""
     for path in paths:

@@ -8,7 +8,7 @@ from typing import Annotated, TextIO
 
 import typer
 
-from ...util.console import print_table, screen, write_json
+from ...util.console import live_table, print_table, screen, write_json
 from ...util.errors import NOT_ACHIEVED, UserError
 from ...util.files import not_written, writing
 from .options import Channel, Interface, Json, RobotName, Seconds, Sim, joints
@@ -84,8 +84,6 @@ def monitor(
 
     Example: caramelo joints monitor --sim --seconds 2 --plot current --out joints.jsonl
     """
-    from rich.live import Live
-
     from .spark import Curves
 
     if plot not in PLOTS:
@@ -95,14 +93,14 @@ def monitor(
     with (
         _record(out) as record,
         joints(robot, interface, channel, sim) as bus,
-        Live(console=screen(), auto_refresh=False) as live,
+        live_table() as show,
     ):
         began_s = bus.now()
         try:
             while seconds is None or bus.now() - began_s < seconds:
                 bus.run_for(REFRESH_S)
                 rows = rows_of(bus)
-                live.update(table(rows, plot, [curves.add(row["joint"], row.get(key)) for row in rows]), refresh=True)
+                show(table(rows, plot, [curves.add(row["joint"], row.get(key)) for row in rows]))
                 if record is not None and out is not None:
                     with writing(out):
                         record.write(json.dumps({"time_s": round(bus.now() - began_s, 3), "joints": rows}) + "\n")

@@ -126,7 +126,8 @@ def test_dbc_is_written_whole_to_the_terminal_or_a_file(joints, tmp_path):
 
 def test_monitor_records(joints, tmp_path):
     path = tmp_path / "joints.jsonl"
-    assert joints("monitor", "--sim", "--seconds", "0.3", "--out", str(path))[0] == 0
+    code, out, _ = joints("monitor", "--sim", "--seconds", "0.3", "--out", str(path))
+    assert (code, out.count("RL calf"), out[-1]) == (0, 1, "\n"), "in a file the last table alone"
     lines = [json.loads(line) for line in path.read_text().splitlines()]
     assert len(lines) >= 3
     assert len(lines[0]["joints"]) == 12

@@ -23,6 +23,8 @@ def test_status_and_monitor(run):
     code, out, _ = run("servos", "status", "--sim")
     assert code == 0
     assert out.count("12.0") == 12
+    code, out, _ = run("servos", "monitor", "--sim", "--seconds", "0.5")
+    assert (code, out.count("RL calf"), out[-1]) == (0, 1, "\n"), "in a file the last table alone"
     code, out, _ = run("servos", "monitor", "--sim", "--seconds", "0.5", "--json")
     assert code == 0
     assert len(json.loads(out)["joints"]) == 12
