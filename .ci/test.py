@@ -38,7 +38,11 @@ def started(
     """
     signal.pthread_sigmask(signal.SIG_BLOCK, ENDS)
     errors = subprocess.STDOUT if to else None
-    running = subprocess.Popen(command, cwd=ROOT, env=env, stdout=to, stderr=errors, preexec_fn=hear)
+    try:
+        running = subprocess.Popen(command, cwd=ROOT, env=env, stdout=to, stderr=errors, preexec_fn=hear)
+    except OSError:
+        hear()
+        raise
     try:
         hear()
         yield running

@@ -30,15 +30,15 @@ def check_folder(flag: str, path: Path | None) -> None:
 def check_file(flag: str, path: Path | None) -> None:
     """Refuse a name that no file can have before hours of work would be lost; create nothing yet."""
     if path is not None:
-        _refuse_no_file(path)
+        _refuse_no_file(path, f"{flag} {path}")
         check_folder(flag, path.parent)
 
 
-def _refuse_no_file(path: Path) -> None:
+def _refuse_no_file(path: Path, told: str) -> None:
     if not path.name:
-        raise UserError(f"{path}: names no file to write: give it a name")
+        raise UserError(f"{told}: names no file to write: give it a name")
     if path.exists() and not path.is_file():
-        raise UserError(f"{path}: can't be written: it is a folder or a device: name a file")
+        raise UserError(f"{told}: can't be written: it is a folder or a device: name a file")
 
 
 @contextmanager
@@ -107,7 +107,7 @@ def atomic_path(path: Path) -> Iterator[Path]:
     Any exception, Ctrl-C included, leaves an older ``path`` as it was. Missing folders are made. A link stays one.
     UserError if the system refuses, or if ``path`` is a folder or a device, or a folder's by its form.
     """
-    _refuse_no_file(path)
+    _refuse_no_file(path, str(path))
     place = Path(os.path.realpath(path))
     draft = place.with_name(f".{place.stem}.{os.getpid()}{place.suffix}")
     with writing(path):

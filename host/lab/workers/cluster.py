@@ -19,6 +19,7 @@ from distributed import Client, KilledWorker, LocalCluster, as_completed
 from distributed.client import FutureCancelledError
 from distributed.comm import CommClosedError
 
+from ...util.console import write_note
 from ...util.errors import NOT_ACHIEVED, UserError
 from ...util.leave import leaving_later
 from ...util.progress import write_step
@@ -109,6 +110,7 @@ def _unlike(who: str, difference: str) -> UserError:
 @contextmanager
 def local_cluster(jobs: int) -> Iterator[Cluster]:
     """Yield ``jobs`` processes of this computer; they end with the block."""
+    write_note(f"starting {jobs} processes")
     with _ctrl_c_for_this_process_only():
         logging.getLogger("distributed.process").disabled = True  # at exit it tells of those that did not start
         try:
