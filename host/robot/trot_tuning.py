@@ -47,6 +47,7 @@ HIGH_SPEED = 0.35  # of the leg per cycle: top speed meanwhile
 LATE_FROUDE = 0.12  # of sqrt(g h): the same for a robot whose drives are too slow for such swings (slow servos)
 HIGH_SLOWEST_M_S = 0.05  # slower counts as this for that way
 SWING_ASKS = 1.5  # times a drive's no-load speed is the most that a swing's goals may demand: lag rounds them off
+HIGHEST_ASKS = 2.5  # the same of the highest swings; SpotMicro, which would be asked for 2.7, was late in them
 HIND_ASKS = 1.0  # the same of an elbow-knee robot: with more its hind feet, which need faster joints, lag behind
 STEP_LEG = 0.16  # of the leg: the highest step that every robot should walk up
 SWING_POINTS = 25  # of a swing are checked for that
@@ -200,6 +201,13 @@ def highest_lift_m(robot: Robot) -> tuple[float, str]:
     return lift_m, _too_slow(asked) if max(asked) > SWING_ASKS else "the joints' limits"
 
 
+def top_lift_m(robot: Robot) -> float:
+    """Return the apex of a swing after one that was held up: as high as drives that are late in it still go in time."""
+    figures = trot_figures(robot)
+    lift_m = most(HIGHEST_LIFT * figures.leg_m, lambda lift: max(_asked(robot, figures, 0.0, lift)) <= HIGHEST_ASKS)
+    return max(lift_m, figures.own["high_lift"] * figures.leg_m)
+
+
 def high_speed_m_s(robot: Robot) -> float:
     """Return the top speed while swings are high: less if the drives are too slow for them even on the spot."""
     figures = trot_figures(robot)
@@ -267,7 +275,7 @@ def fill_trot(params: Params, robot: Robot) -> None:
     setup.swing_q8 = round(f.swing_s * rate * 256)
     setup.height = round(f.height_m * unit)
     setup.low_lift, setup.high_lift = (round(f.own[key] * f.leg_m * unit) for key in ("low_lift", "high_lift"))
-    setup.highest_lift = round(HIGHEST_LIFT * f.leg_m * unit)
+    setup.highest_lift = round(top_lift_m(robot) * unit)
     setup.turn_side = round(2 * abs(f.rests_m[0][1]) * TURN_LATE_S * rate * unit / 256)
     setup.push_lag = round(HELD_PUSH * f.gives_m * unit)
     unlike = len(leg_of_each_shape(robot)) > 1

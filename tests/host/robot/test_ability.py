@@ -9,7 +9,16 @@ from host.robot.file import load_robot, robot_names
 from host.robot.model import KNEE_CONFIGURATIONS
 from host.robot.statics import push_on_two_N, pushes_on_four_N, sag_m, torques_Nm
 from host.robot.swings import asked_speeds, most, poses_rad, within_limits
-from host.robot.trot_tuning import SWING_ASKS, able, highest_lift_m, trot_figures
+from host.robot.trot_tuning import (
+    HIGH_LIFT,
+    HIGHEST_ASKS,
+    HIGHEST_LIFT,
+    SWING_ASKS,
+    able,
+    highest_lift_m,
+    top_lift_m,
+    trot_figures,
+)
 from tests import ROOT
 from tests.shared.robots import variant
 
@@ -84,6 +93,17 @@ def test_what_limits_is_named_and_is_at_its_limit():
     assert asked.index(max(asked)) == 1
     assert max(asked) == pytest.approx(SWING_ASKS, rel=0.01)
     assert highest_lift_m(robot)[1] == "the calf's speed"
+
+
+def test_the_highest_swing_is_as_high_as_slow_drives_go_in_time():
+    """And no lower than the high ones, which edges need."""
+    robot = load_robot("spotmicro")
+    figures, lift_m = trot_figures(robot), top_lift_m(robot)
+    poses = poses_rad(robot, 1, figures.swing(0.0, lift_m))
+    assert max(asked_speeds(robot, poses, figures.swing_s)) == pytest.approx(HIGHEST_ASKS, rel=0.01)
+    a1, slow = load_robot("unitree-a1"), with_drives("unitree-a1", no_load_rad_s=2.0)
+    assert top_lift_m(a1) == pytest.approx(HIGHEST_LIFT * trot_figures(a1).leg_m)
+    assert top_lift_m(slow) == pytest.approx(HIGH_LIFT * trot_figures(slow).leg_m)
 
 
 @pytest.mark.parametrize("name", ["caramelo", "spotmicro"])

@@ -76,7 +76,7 @@ class FloatTrot:
         self.hurries_high = tuning.can_lift(robot, figures, tuning.HURRY)
         self.load, self.stance, self.early_contact = [0.0] * 4, [1] * 4, [0] * 4
         self.low, self.high = tuning.LOW_LIFT * self.leg_m, tuning.HIGH_LIFT * self.leg_m
-        self.highest = tuning.HIGHEST_LIFT * self.leg_m
+        self.highest = tuning.top_lift_m(robot)
         self.lift, self.apex, self.swing_top = self.low, [self.low] * 4, [0.0] * 4
         self.held_up, self.shortened, self.peak_lag, self.usual_lag = [False] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
         self.rises_first = [False] * 4
