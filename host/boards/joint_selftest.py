@@ -125,12 +125,10 @@ def _switched(figures: dict[str, Any]) -> list[Row]:
 
 def ask(port: str, bridge: bool = False) -> dict[str, Any]:
     """Return the figures of the board at ``port``; UserError in one line if it does not answer."""
-    from .flash.link import BoardLink
+    from .flash.link import stopped
 
-    with BoardLink(port) as link:
-        figures = link.ask(SCRIPT % bridge, Figures, TIMEOUT_S).model_dump(exclude_none=True)
-        link.reset()  # the watchdog started with the interrupt would reset it anyway
-        return figures
+    with stopped(port) as link:
+        return link.ask(SCRIPT % bridge, Figures, TIMEOUT_S).model_dump(exclude_none=True)
 
 
 def _row(name: str, value: int, low: int, high: int) -> Row:

@@ -9,6 +9,7 @@ import hashlib
 import io
 import json
 import zipfile
+import zlib
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -19,6 +20,8 @@ from ...util.files import read_bytes, write_bytes
 
 FORMAT = 1
 _ABOUT = "image.json"
+_DAMAGED = (  # what zipfile and json raise for a file in which anything may stand
+    OSError, ValueError, KeyError, TypeError, AttributeError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error)
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,7 @@ def read_image_file(path: Path) -> ImageFile:
         found = ImageFile(About(**about), (slots[0], slots[1]), loader)
     except FileNotFoundError as error:
         raise UserError(f"{path}: no such file: caramelo firmware image makes it") from error
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, EOFError, zipfile.BadZipFile) as error:
+    except _DAMAGED as error:
         raise UserError(f"{path}: not an image file of caramelo: make it anew with caramelo firmware image") from error
     _check(path, found)
     return found

@@ -5,7 +5,6 @@ the old one again if the new one is not confirmed.
 """
 
 import contextlib
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -17,7 +16,7 @@ from ...util.errors import UserError
 from ..build.image_file import ImageFile
 from .answers import Report, Survey
 from .board import Board, NoFirmware
-from .link import BoardError, BoardLink
+from .link import BoardError, BoardLink, stopped
 
 SETTLE_S = 6.0  # to wait for the board's message that it started; messages before USB is open are lost (chosen)
 GRACE_S = 1.0  # within this time an application that can't run fails (chosen)
@@ -56,12 +55,8 @@ Progress = Callable[[float, float], None]  # bytes done, total bytes
 
 def flash(port: str, wish: Wish, progress: Progress = lambda done, total: None) -> Outcome:
     """Bring one board to the wanted state. UserError before anything is written, BoardError after."""
-    with BoardLink(port) as link:
-        try:
-            return _flash(link, wish, progress)
-        except UserError:
-            _leave_running(link)
-            raise
+    with stopped(port) as link:
+        return _flash(link, wish, progress)
 
 
 def _flash(link: BoardLink, wish: Wish, progress: Progress) -> Outcome:
@@ -79,7 +74,6 @@ def _flash(link: BoardLink, wish: Wish, progress: Progress) -> Outcome:
     outcome = Outcome(link.port, about.build, SLOTS[target], changed, wish.dry_run, len(data) if waits else 0)
     if wish.dry_run or not changed:
         outcome.version, outcome.protocol = survey.report.version, survey.report.protocol
-        _leave_running(link)
         return outcome
     if waits:
         board.write(data, progress)
@@ -127,7 +121,7 @@ def _back_to_settled(link: BoardLink, board: Board, survey: Survey) -> tuple[Boa
 
 
 def _confirm(link: BoardLink, wish: Wish, target: int, outcome: Outcome) -> None:
-    """Wait until the new firmware runs, check its report, confirm it and start it permanently."""
+    """Wait until the new firmware runs, check its report and confirm it."""
     board, report = _running(link, target)
     outcome.version, outcome.protocol = report.version, report.protocol
     outcome.self_test = "passed"
@@ -141,7 +135,6 @@ def _confirm(link: BoardLink, wish: Wish, target: int, outcome: Outcome) -> None
             f"{link.port}: the joint did not take over id {wish.node}: its stored parameters are broken; "
             f"caramelo joints params restore, then flash again"
         )
-    link.reset()
 
 
 def _running(link: BoardLink, target: int) -> tuple[Board, Report]:
@@ -195,11 +188,3 @@ def _last_line(link: BoardLink) -> str:
         lines = [line for line in Board(link).log().splitlines() if "was not confirmed" not in line]
         return f": {lines[-1]}" if lines else ""
     return ""
-
-
-def _leave_running(link: BoardLink) -> None:
-    """Start the board's application again, if the board still answers."""
-    with contextlib.suppress(UserError):
-        link.interrupt()
-        link.reset()
-        time.sleep(0.1)

@@ -6,14 +6,13 @@ from firmware.flash_map import SLOTS
 
 from .answers import Held
 from .board import Board
-from .link import BoardLink
+from .link import BoardLink, stopped
 
 
 def describe(port: str) -> dict[str, Any]:
     """Return what a board is and holds; then start it again."""
-    with BoardLink(port) as link:
+    with stopped(port) as link:
         survey = Board(link).survey()
-        link.reset()
     report = survey.report
     return {
         "port": port,
@@ -37,10 +36,8 @@ def _held(held: Held | None) -> str:
 
 def read_log(port: str) -> list[str]:
     """Return the lines of a board's log; then start it again."""
-    with BoardLink(port) as link:
-        text = Board(link).log()
-        link.reset()
-    return text.splitlines()
+    with stopped(port) as link:
+        return Board(link).log().splitlines()
 
 
 def restart(port: str) -> None:

@@ -42,7 +42,11 @@ class BoardLink:
         self._link: Any = None
 
     def __enter__(self) -> "BoardLink":
-        self.interrupt()
+        try:
+            self.interrupt()
+        except KeyboardInterrupt:
+            self.leave_running()
+            raise
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -59,7 +63,7 @@ class BoardLink:
         try:
             self._link = SerialTransport(self.port, timeout=READ_TIMEOUT_S)
             self._link.serial.write_timeout = STEP_TIMEOUT_S
-        except (TransportError, OSError) as error:
+        except (TransportError, OSError, ValueError) as error:
             raise UserError(f"{self.port}: {_refusal(self.port, error)}") from error
 
     def interrupt(self) -> None:
@@ -106,6 +110,12 @@ class BoardLink:
                 self._link.exec_raw_no_follow("import machine\nmachine.reset()")
             time.sleep(0.1)
         self.close()
+
+    def leave_running(self) -> None:
+        """Start the board's application again, if the board still answers."""
+        with contextlib.suppress(UserError):
+            self.interrupt()
+            self.reset()
 
     def listen(self, seconds: float, take: Callable[[bytes], bool] = lambda data: False) -> None:
         """Read the board's output for this long, or until ``take`` returns True."""
@@ -162,6 +172,16 @@ class BoardLink:
             ) from error
 
 
+@contextlib.contextmanager
+def stopped(port: str) -> Iterator[BoardLink]:
+    """Stop a board's application for the block, and start it again however the block ends, also on Ctrl-C."""
+    with BoardLink(port) as link:
+        try:
+            yield link
+        finally:
+            link.leave_running()
+
+
 def _unreadable(port: str, first: Mapping[str, Any]) -> BoardError:
     """Return what is wrong with an answer; ``first`` is pydantic's first complaint."""
     place = ".".join(str(part) for part in first["loc"]) or "all of it"
@@ -190,7 +210,8 @@ def _refusal(port: str, error: BaseException) -> str:
             return "another program uses it: close it (a terminal, an editor, another caramelo), then try again"
         if cause.errno in (errno.EACCES, errno.EPERM):
             return "no permission: run sudo usermod -aG dialout $USER, then log in again"
-    return f"can't be opened ({error}): plug the board in again"
+        error = cause
+    return f"can't be opened ({error}): check that it is the board's serial port, and plug the board in again"
 
 
 def _unlock(port: Any) -> None:

@@ -4,7 +4,6 @@ import contextlib
 import json
 import random
 from copy import deepcopy
-from types import SimpleNamespace
 
 import pytest
 
@@ -110,9 +109,7 @@ def board(monkeypatch):
     """Let flashing meet a board that spoils its answers."""
 
     def use(spoil):
-        for module in (flashing, inspect, link):
-            monkeypatch.setattr(module, "BoardLink", lambda port: Board(port, spoil))
-        monkeypatch.setattr(flashing, "time", SimpleNamespace(sleep=lambda seconds: None))
+        monkeypatch.setattr(link, "BoardLink", lambda port: Board(port, spoil))
 
     return use
 
@@ -125,7 +122,7 @@ def test_mutated_answers_never_end_in_a_traceback(board, what):
     do = {
         "flash": lambda: flash("board", Wish(make("1"))),
         "dry": lambda: flash("board", Wish(make("2"), dry_run=True)),
-        "confirm": lambda: confirm(flashing.BoardLink("board")),
+        "confirm": lambda: confirm(link.BoardLink("board")),
         "info": lambda: inspect.describe("board"),
         "log": lambda: inspect.read_log("board"),
     }[what]

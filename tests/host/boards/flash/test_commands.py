@@ -3,15 +3,17 @@
 import json
 import os
 import pty
+import random
 import threading
 import zipfile
 
 import pytest
 import serial
 
-from host.boards.build.image_file import write_image_file
+from host.boards.build.image_file import read_image_file, write_image_file
 from host.boards.flash import link as link_module
 from host.boards.flash.shell import join
+from host.util.errors import UserError
 from tests.waiting import PATIENCE_S
 
 from .pretend import PretendBoard
@@ -42,6 +44,11 @@ def one_line(answer, code, *words):
 def test_no_board(run, images, command):
     command = (*command, images("1")) if command == ("flash",) else command
     one_line(run(*command, "--port", "/dev/ttyACM99"), 2, "/dev/ttyACM99: no such port")
+
+
+@pytest.mark.parametrize("port", ["/dev/null", "/etc/passwd", "foo://board"])
+def test_no_serial_port(run, port):
+    one_line(run("board", "info", "--port", port), 2, f"{port}: can't be opened", "check that it is the board's")
 
 
 def test_no_permission(run, images, tmp_path, monkeypatch):
@@ -106,6 +113,23 @@ def test_an_image_file_that_is_none(run, images, tmp_path, spoil, words):
                 stored.writestr(name, archive.read(name))
         path.write_bytes(spoil(path.read_bytes()))
     one_line(run("flash", str(path), "--port", "/dev/null"), 2, words)
+
+
+def test_an_image_file_with_any_bytes_changed_is_refused_or_the_same(tmp_path):
+    path = tmp_path / "1.caramelo"
+    write_image_file(make(), path)
+    sound, rng, refused = path.read_bytes(), random.Random(1), 0
+    for _ in range(400):
+        data = bytearray(sound)
+        for _ in range(rng.randrange(1, 4)):
+            at = rng.choice([rng.randrange(200), -rng.randrange(1, 300), rng.randrange(len(data))])
+            data[at] = rng.randrange(256)
+        path.write_bytes(data)
+        try:
+            assert read_image_file(path) == make()
+        except UserError as error:
+            refused += "make it anew" in str(error)
+    assert refused > 200
 
 
 def test_an_image_file_whose_half_is_not_what_it_says(run, images, tmp_path):

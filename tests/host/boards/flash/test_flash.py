@@ -7,6 +7,7 @@ import pytest
 from firmware.flash_map import CONFIRMED, HEADER, slot_at
 from host.boards.flash.board import Board
 from host.boards.flash.flash import Wish, flash
+from host.boards.flash.inspect import describe
 from host.boards.flash.link import BoardError, BoardLink
 from host.util.errors import UserError
 
@@ -206,6 +207,37 @@ def test_flash_that_reads_back_differently_is_told_and_the_old_firmware_stays(bo
         put(board, make("2"))
     assert board.wait_for(b"running 1")
     assert survey(board).slots[1] is None
+
+
+@pytest.mark.parametrize("stage", ["u.wished()", "u.erase", "u.write", "u.finish", "u.activate", "u.confirm"])
+def test_ctrl_c_at_any_stage_leaves_the_board_running(board, monkeypatch, stage):
+    run = BoardLink.run
+
+    def stop(self, script, timeout_s=20.0):
+        if stage in script:
+            self._link.exec_raw_no_follow(script)  # Ctrl-C comes while the board works
+            raise KeyboardInterrupt
+        return run(self, script, timeout_s)
+
+    monkeypatch.setattr(BoardLink, "run", stop)
+    with pytest.raises(KeyboardInterrupt):
+        flash(board.port, Wish(make("2")))
+    board.wait_for_own_start()
+
+
+def test_ctrl_c_while_the_prompt_is_asked_for_leaves_the_board_running(board, monkeypatch):
+    interrupt, asked = BoardLink.interrupt, []
+
+    def stop(self):
+        interrupt(self)
+        asked.append(self)
+        if len(asked) == 1:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(BoardLink, "interrupt", stop)
+    with pytest.raises(KeyboardInterrupt):
+        describe(board.port)
+    board.wait_for_own_start()
 
 
 def test_an_id_is_handed_to_the_joint(tmp_path):
