@@ -137,6 +137,19 @@ def test_joints_that_give_way_until_the_legs_fold_are_told():
     assert "fold up: raise actuator.stiffness_Nm_rad" in next(cannot(robot, ability(robot)))
 
 
+@pytest.mark.parametrize(
+    ("com_m", "sentences"), [((0.0, 0.18, 0.0), 0), ((-0.18, 0.0, 0.0), 1), ((0.0, 0.21, 0.0), 1), ((0.2, 0.3, 0.0), 2)]
+)
+def test_a_centre_of_mass_beyond_the_feet_is_told(com_m, sentences):
+    """In space the first walks half a metre, and the others fall as soon as they stand."""
+    robot = load_robot("caramelo")
+    trunk = robot.links.trunk.model_copy(update={"com_m": com_m})
+    robot = robot.model_copy(update={"links": robot.links.model_copy(update={"trunk": trunk})})
+    told = list(cannot(robot, ability(robot)))
+    assert len(told) == sentences
+    assert all("tips over" in each and each.endswith("change links.trunk.com_m") for each in told)
+
+
 def table(page, wanted):
     """Return the cells of a page's table, by robot, whose head has a column that starts so."""
     lines = (ROOT / "docs" / page).read_text().splitlines()
