@@ -11,7 +11,7 @@ from host.robot.statics import push_on_two_N, pushes_on_four_N, sag_m, torques_N
 from host.robot.swings import asked_speeds, most, poses_rad, within_limits
 from host.robot.trot_tuning import SWING_ASKS, able, highest_lift_m, trot_figures
 from tests import ROOT
-from tests.shared.robots import variant
+from tests.shared.robots import variant, with_trunk_at
 
 G_M_S2 = 9.81
 
@@ -142,9 +142,7 @@ def test_joints_that_give_way_until_the_legs_fold_are_told():
 )
 def test_a_centre_of_mass_beyond_the_feet_is_told(com_m, sentences):
     """In space the first walks half a metre, and the others fall as soon as they stand."""
-    robot = load_robot("caramelo")
-    trunk = robot.links.trunk.model_copy(update={"com_m": com_m})
-    robot = robot.model_copy(update={"links": robot.links.model_copy(update={"trunk": trunk})})
+    robot = with_trunk_at("caramelo", com_m)
     told = list(cannot(robot, ability(robot)))
     assert len(told) == sentences
     assert all("tips over" in each and each.endswith("change links.trunk.com_m") for each in told)
