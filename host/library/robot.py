@@ -227,8 +227,13 @@ class Robot:
         self._opened.emergency_stop()
 
     def reset(self) -> None:
-        """Forget a stop or a fault that is over; Fault if it is not. This puts a fallen simulated robot on its feet."""
+        """Forget a stop or a fault that is over; Fault if it is not. This puts a fallen simulated robot on its feet.
+
+        Without a stop or a fault it does nothing.
+        """
         run = self._opened
+        if not run.sensed.fault:
+            return
         run.send({"type": "reset"})
         for _ in range(round(RESET_MOST_S * run.rate_hz)):
             try:
@@ -335,6 +340,8 @@ class Robot:
         run = self._opened
         if run.sensed.fault:
             raise Fault(run.sensed.fault)
+        if run.supervisor.stream.open:
+            raise Error("set_joints moves the joints: leave its loop first")
         if run.sensed.state in ("disarmed", "sitting"):
             raise Error(f"the robot does not stand, it is {run.sensed.state}: call stand() first")
         self._halt()

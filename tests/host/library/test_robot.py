@@ -177,6 +177,8 @@ def test_a_stop_lets_go_and_stays_until_it_is_reset(robot):
         robot.walk(0.05, seconds=1)
     robot.reset()
     robot.stand()
+    robot.reset()  # nothing is left to forget
+    robot.health(0.1)
     assert robot.sensed.state == "standing"
 
 

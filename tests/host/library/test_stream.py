@@ -192,8 +192,9 @@ def test_a_speed_is_walked_until_nothing_is_set():
 def test_one_either_walks_or_sets_joints(robot):
     for _ in robot.stream(seconds=0.04):
         robot.set_joints({"FR_hip": 0.1})
-        with pytest.raises(Error, match="set_joints moves the joints"):
-            robot.set_speed(0.05)
+        for drive in (lambda: robot.set_speed(0.05), lambda: robot.walk(0.05, seconds=1), lambda: robot.turn(deg=3)):
+            with pytest.raises(Error, match="set_joints moves the joints"):
+                drive()
     for now in robot.stream(seconds=0.4):
         robot.set_speed(0.05)
         if now.state == "walking":
