@@ -30,6 +30,11 @@ def mean_speed_m_s(rec: Recording) -> float:
     return distance_m(rec) / seconds if seconds > 0 else 0.0
 
 
+def rate(values: Array, time_s: Array) -> Array:
+    """How fast each column changes, row by row; 0 for a run of one row."""
+    return np.asarray(np.gradient(values, time_s, axis=0)) if len(time_s) > 1 else np.zeros_like(values)
+
+
 def pitch_range_deg(rec: Recording, skip_s: float = 0.0) -> float:
     """Largest minus smallest pitch, after the first ``skip_s``."""
     pitch = rec.torso_pitch_rad[rec.time_s >= rec.time_s[0] + skip_s]

@@ -3,6 +3,8 @@
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager
+from math import inf, isinf, nan
+from numbers import Real
 
 from ..util.errors import UserError
 from ..util.extras import missing_library
@@ -53,6 +55,23 @@ def _renamed(text: str) -> str:
 
 def finite(name: str, value: object, low: float, high: float, unit: str) -> float:
     """Return a number within its range, or raise BadValue with its name."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not low <= value <= high:
-        raise BadValue(f"{name} {value!r}: allowed {low:.4g} .. {high:.4g} {unit}".rstrip())
-    return float(value)
+    found = number(value)
+    if not low <= found <= high:
+        kind = "" if isinstance(value, Real) else "a number within "
+        raise BadValue(f"{name} {shown(value)}: allowed {kind}{low:.4g} .. {high:.4g} {unit}".rstrip())
+    return found
+
+
+def number(value: object) -> float:
+    """Return a real number, such as one of numpy's, as a float: NaN for anything else, inf beyond all floats."""
+    if isinstance(value, bool) or not isinstance(value, Real):
+        return nan
+    try:
+        return float(value)
+    except OverflowError:
+        return inf
+
+
+def shown(value: object) -> str:
+    """Return a wrong value as one short line; an integer beyond all floats may have too many digits to print."""
+    return "inf" if isinf(number(value)) else " ".join(repr(value).split())[:40]

@@ -14,7 +14,7 @@ from ..imu.absent import AbsentImu
 from ..imu.attitude import Attitude
 from ..imu.choose import open_source
 from ..robot.model import Robot
-from .errors import BadValue
+from .errors import BadValue, shown
 
 PLACES = ("sim", "space", "servos", "can")
 BUS_OF = {"servos": "dynamixel", "can": "can"}
@@ -47,14 +47,14 @@ class Place:
     truth: Callable[[], Pose] | None = None
 
 
-def find_place(name: str, robot: Robot, port: str | None, calibration: Path | None, imu: str | None,
+def find_place(name: object, robot: Robot, port: str | None, calibration: Path | None, imu: str | None,
                honest: bool | None) -> Place:
     """Return a place; BadValue for an unknown name, or if the robot has no such bus.
 
     ``port`` and ``calibration``: see control/hardware.py; ``imu``: "" for the usual one, None for none, or where it is.
     """
-    if name not in PLACES:
-        raise BadValue(f"place {name!r}: allowed {', '.join(PLACES)}")
+    if not isinstance(name, str) or name not in PLACES:
+        raise BadValue(f"place {shown(name)}: allowed {', '.join(PLACES)}")
     if name in BUS_OF:
         if honest is not None:
             raise BadValue(f"place {name!r}: honest is only for sim and space")

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from math import copysign, cos, hypot, inf, isfinite, radians, sin, sqrt
-from numbers import Real
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -13,7 +12,7 @@ from ..control.odometry import Odometry
 from ..robot.file import load_robot
 from ..robot.gait_advice import gait_advice
 from ..robot.gait_file import with_gait
-from .errors import BadValue, Error, Fault, NotAchieved, finite, own_words
+from .errors import BadValue, Error, Fault, NotAchieved, finite, number, own_words, shown
 from .places import Place, find_place
 from .run import Run
 from .sensed import JOINT_NAMES, Sensed
@@ -55,20 +54,22 @@ class Robot:
         robot: str | Path = "caramelo",
         *,
         gait: str | Path | None = None,
-        port: str | None = None,
+        port: str | Path | None = None,
         calibration: str | Path | None = None,
-        imu: str | None = "",
+        imu: str | Path | None = "",
         record: str | Path | None = None,
         honest: bool | None = None,
     ) -> None:
+        if honest not in (None, True, False):
+            raise BadValue(f"honest {shown(honest)}: allowed True, False or None")
+        hardware = _text("port", port), _path("calibration", calibration), _text("imu", imu)
+        self._record = _path("record", record)
         with own_words():
             self._file = load_robot(str(robot)).simulated(honest)
             if str(gait).endswith(".toml"):
                 self._file, gait = with_gait(self._file, str(gait)), None
-            path = _path("calibration", calibration)
-            self._place = find_place(place, self._file, port, path, imu, honest) if isinstance(place, str) else place
-        self._record = _path("record", record)
-        self._gait = self._known_gait(str(gait or self._file.gait.default))
+            self._place = place if isinstance(place, Place) else find_place(place, self._file, *hardware, honest)
+        self._gait = self._known_gait(self._file.gait.default if gait is None else gait)
         self._run: Run | None = None
         self._pose: tuple[float, float, float, float, float, float] = (0.0,) * 6
         self._joint_rad_s: float | None = None  # in a loop over stream: the top speed of its joints
@@ -157,9 +158,9 @@ class Robot:
         if self._run is not None:
             self._run.send({"type": "gait", "gait": self._gait})
 
-    def _known_gait(self, name: str) -> str:
-        if name not in self.gaits:
-            raise BadValue(f"gait {name!r}: allowed {', '.join(self.gaits)}")
+    def _known_gait(self, name: object) -> str:
+        if not isinstance(name, str) or name not in self.gaits:
+            raise BadValue(f"gait {shown(name)}: allowed {', '.join(self.gaits)}")
         return name
 
     def health(self, seconds: float = 2.0) -> tuple[Finding, ...]:
@@ -226,8 +227,13 @@ class Robot:
         self._opened.emergency_stop()
 
     def reset(self) -> None:
-        """Forget a stop or a fault that is over; Fault if it is not. This puts a fallen simulated robot on its feet."""
+        """Forget a stop or a fault that is over; Fault if it is not. This puts a fallen simulated robot on its feet.
+
+        Without a stop or a fault it does nothing.
+        """
         run = self._opened
+        if not run.sensed.fault:
+            return
         run.send({"type": "reset"})
         for _ in range(round(RESET_MOST_S * run.rate_hz)):
             try:
@@ -334,6 +340,8 @@ class Robot:
         run = self._opened
         if run.sensed.fault:
             raise Fault(run.sensed.fault)
+        if run.supervisor.stream.open:
+            raise Error("set_joints moves the joints: leave its loop first")
         if run.sensed.state in ("disarmed", "sitting"):
             raise Error(f"the robot does not stand, it is {run.sensed.state}: call stand() first")
         self._halt()
@@ -415,11 +423,16 @@ class Robot:
 
 
 def _path(name: str, value: object) -> Path | None:
+    text = _text(name, value)
+    return None if text is None else Path(text)
+
+
+def _text(name: str, value: object) -> str | None:
     if value is None:
         return None
-    if isinstance(value, str | Path):
-        return Path(value)
-    raise BadValue(f"{name} {str(value)[:40]}: allowed a path as text or Path, or None")
+    if isinstance(value, str | Path) and "\0" not in str(value):
+        return str(value)
+    raise BadValue(f"{name} {shown(value)}: allowed a path as text or Path, or None")
 
 
 def _angles(goals_rad: object, before_rad: Sequence[float]) -> list[float]:
@@ -439,9 +452,7 @@ def _angles(goals_rad: object, before_rad: Sequence[float]) -> list[float]:
 
 
 def _angle(name: str, goal: object) -> float:
-    try:
-        if isinstance(goal, Real) and isfinite(angle := float(goal)):
-            return angle
-    except OverflowError:
-        pass  # an integer beyond all floats
-    raise BadValue(f"set_joints: {name} {str(goal)[:40]}: allowed a finite angle in rad")
+    angle = number(goal)
+    if isfinite(angle):
+        return angle
+    raise BadValue(f"set_joints: {name} {shown(goal)}: allowed a finite angle in rad")

@@ -173,7 +173,8 @@ class Recorder:
 def record_path(wanted: Path) -> Path:
     """Return the file to write: ``wanted`` if it ends in .mcap; any other name is a folder for a new file."""
     if wanted.suffix != ".mcap" or wanted.is_dir():
-        return wanted / f"caramelo-{datetime.now():%Y%m%d-%H%M%S}.mcap"
+        now = datetime.now()  # to the ms: a program may open a simulated robot many times a second
+        return wanted / f"caramelo-{now:%Y%m%d-%H%M%S}{now.microsecond // 1000:03}.mcap"
     return wanted
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 PARTS = 4  # a running record is finished at a quarter of the size, and goes on in another file (chosen)
-NAME = re.compile(r"caramelo-\d{8}-\d{6}(-\d+)?\.mcap")
+NAME = re.compile(r"caramelo-\d{8}-\d{6,9}(-\d+)?\.mcap")  # date and time, of older ones without ms
 
 
 def claim(file: Any) -> None:
@@ -49,5 +49,5 @@ def _is_finished(path: Path) -> bool:
 
 def next_part(path: Path, part: int) -> Path:
     """Return the name of a record's part: the second one of "caramelo-DATE-TIME.mcap" ends in "-2.mcap"."""
-    first = re.sub(r"(-\d{6})-\d+$", r"\1", path.stem)
+    first = re.sub(r"(-\d{8}-\d{6,9})-\d+$", r"\1", path.stem)
     return path.with_name(f"{first}-{part}{path.suffix}")

@@ -11,12 +11,14 @@ from sim2d.model import GRAVITY_M_S2
 
 from .drives import STIFFNESS_KEYS
 from .kinematics_si import Vector
+from .mass import com_at_rest_m
 from .model import JOINT_NAMES, Robot
 from .statics import push_on_two_N, pushes_on_four_N, sag_m, torque_shares
 from .trot_tuning import STEP_LEG, able, highest_lift_m, trot_figures
 
 FLAT_FROUDE = 0.25  # of sqrt(g h): the speed that every robot should walk on level ground
 MOST_TORQUE = 1.0  # of stall while two legs carry; Caramelo with weaker servos walks at 0.9 and not at 1.1
+BETWEEN_FEET = 0.95  # of the way from the middle to the feet: Caramelo with its mass at 0.96 falls while its joints sag
 TORQUE_KEYS = {  # by kind of actuator: the key that gives its joints more torque
     "servo": "actuator.supply.stall_Nm",
     "bldc": "actuator.drive.current_limit_A",
@@ -62,6 +64,7 @@ def ability(robot: Robot) -> Ability:
 
 def cannot(robot: Robot, known: Ability) -> Iterator[str]:
     """Yield a sentence for each thing that keeps a robot from walking, with the key to change; none if it can walk."""
+    yield from _tips_over(robot)
     more = TORQUE_KEYS[robot.actuator.kind]
     worst = max(range(3), key=known.on_two.__getitem__)
     if known.on_two[worst] > MOST_TORQUE:
@@ -78,3 +81,15 @@ def cannot(robot: Robot, known: Ability) -> Iterator[str]:
             f"a swing takes {trot_figures(robot).swing_s:.2f} s, too short for {known.able_why} to lift a foot even "
             f"on the spot: use faster drives, or raise stance.rest_height_m"
         )
+
+
+def _tips_over(robot: Robot) -> Iterator[str]:
+    """Yield a sentence for each axis along which the centre of mass is not between the feet at rest."""
+    for axis, at_m in enumerate(com_at_rest_m(robot)[:2]):
+        front_right, rear_left = (robot.hip_m(leg)[axis] + robot.foot_m(leg, 0.0)[axis] for leg in (0, 3))
+        middle_m, most_m = (front_right + rear_left) / 2, BETWEEN_FEET * abs(front_right - rear_left) / 2
+        if abs(at_m - middle_m) > most_m:
+            yield (
+                f"it tips over: its centre of mass is at {'xy'[axis]} = {at_m:.3f} m, and must be well between its "
+                f"feet, within {middle_m - most_m:.3f} .. {middle_m + most_m:.3f} m: change links.trunk.com_m"
+            )

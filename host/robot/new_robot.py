@@ -18,6 +18,7 @@ from .ability import FLAT_FROUDE, ability
 from .actuators import Servo, SupplyPoint
 from .file import checked, explain, find, load_robot, robot_names
 from .model import CalfDrive, Geometry, Mass, PositiveLength, Robot
+from .scale import most_sag_compensation
 from .toml_text import Change, Changes, changed, shown
 from .trot_tuning import GAIT, SIDE_SHARE, TURN_SHARE
 from .values import Table, number, one_of
@@ -145,12 +146,12 @@ def questions() -> tuple[Question, ...]:
 def new_file(answers: Answers) -> str:
     """Return the text of the robot file; UserError if the answers do not go together."""
     donor = DONOR if answers["joints"] == OTHER else str(answers["joints"])
-    changes = {"gait.default": Change(shown(GAIT), "chosen")}
+    changes = {"gait.default": Change(shown(GAIT), "chosen"), "gait.sag_compensation": Change("0.0", "chosen")}
     for part in (_names, _geometry, _lengths, _masses, _drives):
         changes |= part(answers)
     of_donor, header = read_text(find(donor)), HEADER.format(**answers, donor=donor)
     robot = checked(parse_toml(changed(of_donor, changes, TRIED, donor, header)), NOT_TOGETHER)
-    text = changed(of_donor, {**changes, **_speeds(robot)}, TRIED, donor, header)
+    text = changed(of_donor, {**changes, **_speeds(robot), **_sag(robot)}, TRIED, donor, header)
     checked(parse_toml(text), NOT_TOGETHER)
     return text
 
@@ -256,6 +257,12 @@ def _speeds(robot: Robot) -> Changes:
         "speed_limits.vy_m_s": Change(shown(SIDE_SHARE * vx_m_s), "derived"),
         "speed_limits.wz_rad_s": Change(shown(turn_rad_s), "derived"),
     }
+
+
+def _sag(robot: Robot) -> Changes:
+    """Return how much of the joints' sag is fed forward: all of it, or what the core can hold if they are too soft."""
+    most = floor(100 * most_sag_compensation(robot)) / 100
+    return {"gait.sag_compensation": Change("1.0", "chosen") if most >= 1 else Change(shown(most), "derived")}
 
 
 HEADER = """\

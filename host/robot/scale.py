@@ -199,19 +199,14 @@ def _leg(params: Params, robot: Robot, scale: Scale, leg: int) -> None:
 
 def _compliance(params: Params, robot: Robot, scale: Scale) -> None:
     """Fill in how far the joints sag under load, in own weights, and where the mass lies."""
-    weight_N, gives = robot.mass_kg * GRAVITY_M_S2, []
-    for joint, drive in enumerate(joint_drives(robot)):
-        stiffness = drive.stiffness_Nm_rad / weight_N * (1 << scale.length_shift) / BRAD_PER_RAD
-        give = robot.gait.sag_compensation / stiffness
+    if robot.gait.sag_compensation > most_sag_compensation(robot):
+        raise UserError(_too_soft(robot))
+    weight_N, stiffnesses = robot.mass_kg * GRAVITY_M_S2, _stiffnesses(robot)
+    for joint, (drive, stiffness) in enumerate(zip(joint_drives(robot), stiffnesses, strict=True)):
         damping = drive.damping_Nms_rad / weight_N * (1 << scale.length_shift) / BRAD_PER_RAD * scale.rate_hz
-        gives.append(give)
-        params.sag_q16[joint] = round(give * Q16)
+        params.sag_q16[joint] = round(robot.gait.sag_compensation / stiffness * Q16)
         params.stiff_q8[joint] = min(LARGEST_GAIN, round(stiffness * Q8))
         params.damp_q8[joint] = min(LARGEST_GAIN, round(damping * Q8))
-    softest = max(range(len(gives)), key=gives.__getitem__)
-    if gives[softest] * Q16 > LARGEST_GAIN:
-        most = robot.gait.sag_compensation * LARGEST_GAIN / Q16 / gives[softest]
-        raise UserError(_too_soft(robot, softest, most))
     params.coupled = int(robot.calf_drive.coupled)
     com_m = com_at_rest_m(robot)
     params.com_x, params.com_y = scale.lu(com_m[0]), scale.lu(com_m[1])
@@ -221,8 +216,21 @@ def _compliance(params: Params, robot: Robot, scale: Scale) -> None:
     params.lateral_q12 = round(robot.gait.lateral_shift * Q12)
 
 
-def _too_soft(robot: Robot, joint: int, most: float) -> str:
+def most_sag_compensation(robot: Robot) -> float:
+    """Return the largest gait.sag_compensation that the core's integers hold; the softest joint limits it."""
+    return min(_stiffnesses(robot)) * LARGEST_GAIN / Q16
+
+
+def _stiffnesses(robot: Robot) -> list[float]:
+    """Return the stiffness of hip, thigh and calf, in own weights times length units per brad."""
+    weight_N, units = robot.mass_kg * GRAVITY_M_S2, 1 << robot.length_shift
+    return [drive.stiffness_Nm_rad / weight_N * units / BRAD_PER_RAD for drive in joint_drives(robot)]
+
+
+def _too_soft(robot: Robot) -> str:
     """Return how the softest joint sags while its leg carries half of the robot, and how much can be compensated."""
+    stiffnesses, most = _stiffnesses(robot), most_sag_compensation(robot)
+    joint = min(range(len(stiffnesses)), key=stiffnesses.__getitem__)
     drive, value = joint_drives(robot)[joint], robot.gait.sag_compensation
     torque_Nm = abs(torques_Nm(robot, 0, push_on_two_N(robot))[joint])
     sag_deg, share = degrees(torque_Nm / drive.stiffness_Nm_rad), 100 * torque_Nm / drive.stall_torque_Nm

@@ -8,7 +8,7 @@ from copy import deepcopy
 from functools import cache
 from types import SimpleNamespace
 
-from host.robot.file import find, read_toml
+from host.robot.file import find, load_robot, read_toml
 from host.robot.model import Robot
 from host.robot.scale import core_params
 from shared.body.crawl_setup import CrawlSetup
@@ -26,6 +26,13 @@ def variant(name, **geometry):
     tables = read_toml(find(name))
     tables["geometry"].update(geometry)
     return Robot.model_validate(tables)
+
+
+def with_trunk_at(name, com_m):
+    """Return a robot file's robot with its trunk's centre of mass elsewhere."""
+    robot = load_robot(name)
+    trunk = robot.links.trunk.model_copy(update={"com_m": com_m})
+    return robot.model_copy(update={"links": robot.links.model_copy(update={"trunk": trunk})})
 
 
 def robot(name, knees="full-elbow"):

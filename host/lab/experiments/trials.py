@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from sim2d.metrics import rate
 from sim2d.model import GRAVITY_M_S2
 
 from ...robot.model import Robot
@@ -89,7 +90,7 @@ class Trial:
         recording, figures, speeds_rad_s = (_in_space if self.where == SPACE else _in_plane)(self.spec)
         robot, weight_N = self.spec.robot, (self.spec.robot.mass_kg + self.spec.payload_kg) * GRAVITY_M_S2
         figures |= {"seed": self.spec.seed, "start_m": self.spec.ground.start_m, "friction": self.spec.friction}
-        acceleration_rad_s2 = np.gradient(speeds_rad_s, recording.time_s, axis=0)
+        acceleration_rad_s2 = rate(speeds_rad_s, recording.time_s)
         figures["joint_acceleration_rad_s2"] = round(float(np.sqrt(np.mean(acceleration_rad_s2**2))), 3)
         figures["power_W"] = mean_power_W(robot, recording.torque_Nm, speeds_rad_s)
         walked_W = drives_power_W(robot, recording.torque_Nm, speeds_rad_s)
@@ -113,7 +114,7 @@ def _in_space(spec: WalkSpec) -> tuple[Any, dict[str, Any], Any]:
     recording = walk_in_space(spec)
     result = figures(recording, START_S)
     result["crossing_s"] = _crossing_s(recording.time_s, recording.position_m[:, 0], spec.ground.start_m)
-    return recording, result, np.gradient(recording.joint_rad, recording.time_s, axis=0)
+    return recording, result, rate(recording.joint_rad, recording.time_s)
 
 
 def _steady_speed_m_s(time_s: "np.ndarray[Any, Any]", x_m: "np.ndarray[Any, Any]") -> float:

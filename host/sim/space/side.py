@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from sim2d.metrics import rate
 from sim2d.recording import Aside, Recording
 
 from ...robot.model import Robot
@@ -28,7 +29,7 @@ def side_view(spec: WalkSpec, rec: SpaceRecording, real_time_factor: float) -> R
         torso_z_m=rec.position_m[:, 2],
         torso_pitch_rad=rec.attitude_rad[:, 1],
         joint_rad=rec.joint_rad,
-        joint_speed_rad_s=_rate(rec.joint_rad, rec.time_s),
+        joint_speed_rad_s=rate(rec.joint_rad, rec.time_s),
         goal_rad=rec.goal_rad,
         torque_Nm=rec.torque_Nm,
         hip_xz_m=xz[:, :, 0],
@@ -61,10 +62,6 @@ def run_in_space(spec: WalkSpec, progress: Callable[[float], None] | None = None
     told = figures(rec)
     more = {key: told[key] for key in ("roll_range_deg", "yaw_drift_deg", "side_drift_m")}
     return side_view(spec, rec, float(rec.time_s[-1]) / taken_s), more
-
-
-def _rate(values: Array, time_s: Array) -> Array:
-    return np.asarray(np.gradient(values, time_s, axis=0)) if len(time_s) > 1 else np.zeros_like(values)
 
 
 def _legs_m(robot: Robot, joint_rad: Array) -> Array:

@@ -16,7 +16,7 @@ from host.lab.experiments.case import Case, Found, Row
 from host.lab.experiments.data import assumptions, papers
 from host.lab.experiments.foot_in_air import AirTrial
 from host.lab.experiments.run import EXPERIMENTS
-from host.lab.experiments.trials import PLANE, STRIDE_M, Answer, Options, Trial, trial_conditions, with_knees
+from host.lab.experiments.trials import PLANE, SPACE, STRIDE_M, Answer, Options, Trial, trial_conditions, with_knees
 from host.lab.experiments.verdicts import everywhere, share, within
 from host.lab.workers.work import Here, workers
 from host.robot.file import load_robot
@@ -25,6 +25,7 @@ from host.sim.walk import WalkSpec
 from tests import ROOT
 from tests.children import children_of
 from tests.interrupts import hear_signals
+from tests.shared.robots import with_trunk_at
 from tests.waiting import PATIENCE_S, wait_until
 
 pytest.importorskip("numpy")
@@ -102,6 +103,16 @@ def test_every_knee_configuration_stands(knees):
     assert signs == {"full-elbow": [-1] * 4, "full-knee": [1] * 4, "elbow-knee": [-1, -1, 1, 1],
                      "knee-elbow": [1, 1, -1, -1]}[knees]
     assert Trial(WalkSpec(robot, "paper-trot", distance_m=0.05)).run().ok
+
+
+@pytest.mark.parametrize("where", [PLANE, SPACE])
+def test_a_robot_that_falls_before_its_first_tick_has_figures(where):
+    """Its centre of mass is far behind its feet, so in space the recording is a single row."""
+    if where == SPACE:
+        pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
+    figures = Trial(WalkSpec(with_trunk_at("caramelo", (-0.2, 0.0, 0.0)), GAIT), where).run().figures
+    assert (figures["ok"], figures["falls"]) == (False, 1)
+    assert math.isfinite(figures["joint_acceleration_rad_s2"])
 
 
 def test_offsets_go_across_a_stride_at_both_frictions():

@@ -5,8 +5,10 @@ import pickle
 import sys
 import threading
 import traceback
+from fractions import Fraction
 from math import degrees, inf, nan
 
+import numpy as np
 import pytest
 
 import caramelo
@@ -34,6 +36,12 @@ def test_all_that_is_named_is_there():
     ("arguments", "words"),
     [
         ({"place": "moon"}, "place 'moon': allowed sim, space, servos, can"),
+        ({"place": None}, "place None: allowed sim"),
+        ({"honest": "no"}, "honest 'no': allowed True, False or None"),
+        ({"gait": ""}, "gait '': allowed "),
+        ({"gait": ["trot"]}, r"gait \['trot'\]: allowed "),
+        ({"place": "can", "robot": "parallel", "port": 5}, "port 5: allowed a path as text"),
+        ({"record": "a\0.mcap"}, "record .*: allowed a path as text"),
         ({"robot": "caramel"}, 'robot "caramel": unknown, did you mean caramelo?'),
         ({"robot": "none.toml"}, "none.toml: no such file"),
         ({"gait": "gallop"}, "gait 'gallop': allowed "),
@@ -80,7 +88,9 @@ def test_options_are_called_as_arguments_and_commands_stay_as_they_are_typed(tol
     [
         (lambda r: r.walk(5.0, seconds=1), r"vx_m_s 5\.0: allowed -\d.* \.\. \d.* m/s by "),
         (lambda r: r.walk(nan, seconds=1), "vx_m_s nan: allowed"),
-        (lambda r: r.walk("fast", seconds=1), "vx_m_s 'fast': allowed"),
+        (lambda r: r.walk("fast", seconds=1), "vx_m_s 'fast': allowed a number within -"),
+        (lambda r: r.walk(np.zeros((9, 9)), seconds=1), r"vx_m_s array\(.*: allowed a number within -"),
+        (lambda r: r.walk(10**5000, seconds=1), "vx_m_s inf: allowed -"),
         (lambda r: r.walk(0.05), "give either seconds or distance_m"),
         (lambda r: r.walk(0.05, seconds=1, distance_m=1), "give either seconds or distance_m"),
         (lambda r: r.walk(0.05, seconds=-1), "seconds -1: allowed 0 .. 3600 s"),
@@ -167,6 +177,8 @@ def test_a_stop_lets_go_and_stays_until_it_is_reset(robot):
         robot.walk(0.05, seconds=1)
     robot.reset()
     robot.stand()
+    robot.reset()  # nothing is left to forget
+    robot.health(0.1)
     assert robot.sensed.state == "standing"
 
 
@@ -284,7 +296,20 @@ def test_a_record_holds_every_tick(tmp_path, run):
         Robot("sim", record=path).open()
 
 
-@pytest.mark.parametrize("name", ["record", "calibration"])
+def test_records_of_one_second_get_names_of_their_own(tmp_path):
+    for _ in range(3):
+        with Robot("sim", record=tmp_path):
+            pass
+    assert len(list(tmp_path.iterdir())) == 3
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.int64, Fraction])
+def test_a_number_may_be_of_any_kind(robot, kind):
+    robot.walk(kind(0), seconds=kind(1))
+    assert robot.sensed.state == "standing"
+
+
+@pytest.mark.parametrize("name", ["record", "calibration", "port", "imu"])
 def test_a_path_that_is_none_is_told(name):
     with pytest.raises(BadValue, match=f"{name} True: allowed a path as text or Path, or None"):
         Robot("sim", **{name: True})

@@ -58,11 +58,12 @@ def test_a_running_record_stays_however_old(tmp_path):
     assert (own.exists(), other.exists()) == (True, False)
 
 
-def test_parts_have_names_of_one_drive(tmp_path):
-    first = tmp_path / "caramelo-20260101-120000.mcap"
+@pytest.mark.parametrize("time", ["120000", "120000123"])
+def test_parts_have_names_of_one_drive(tmp_path, time):
+    first = tmp_path / f"caramelo-20260101-{time}.mcap"
     second = next_part(first, 2)
-    assert second.name == "caramelo-20260101-120000-2.mcap"
-    assert next_part(second, 3).name == "caramelo-20260101-120000-3.mcap"
+    assert second.name == f"caramelo-20260101-{time}-2.mcap"
+    assert next_part(second, 3).name == f"caramelo-20260101-{time}-3.mcap"
 
 
 def taken(folder):

@@ -20,7 +20,7 @@ from host.robot.trot_tuning import (
     trot_figures,
 )
 from tests import ROOT
-from tests.shared.robots import variant
+from tests.shared.robots import variant, with_trunk_at
 
 G_M_S2 = 9.81
 
@@ -155,6 +155,17 @@ def test_joints_that_give_way_until_the_legs_fold_are_told():
     robot = with_drives("solo12", stiffness_Nm_rad=0.5)
     assert sag_m(robot) is None
     assert "fold up: raise actuator.stiffness_Nm_rad" in next(cannot(robot, ability(robot)))
+
+
+@pytest.mark.parametrize(
+    ("com_m", "sentences"), [((0.0, 0.18, 0.0), 0), ((-0.18, 0.0, 0.0), 1), ((0.0, 0.21, 0.0), 1), ((0.2, 0.3, 0.0), 2)]
+)
+def test_a_centre_of_mass_beyond_the_feet_is_told(com_m, sentences):
+    """In space the first walks half a metre, and the others fall as soon as they stand."""
+    robot = with_trunk_at("caramelo", com_m)
+    told = list(cannot(robot, ability(robot)))
+    assert len(told) == sentences
+    assert all("tips over" in each and each.endswith("change links.trunk.com_m") for each in told)
 
 
 def table(page, wanted):

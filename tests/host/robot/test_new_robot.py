@@ -145,7 +145,6 @@ def test_nobody_answers(new):
         ({"joints": "solo12"}, '--joints: value "solo12": allowed: one of "caramelo", "parallel"'),
         ({"knees": "both"}, '--knees: value "both": allowed: one of "full-elbow"'),
         ({"height": 0.5}, "these answers do not go together: stance.rest_height_m: value 0.5: allowed: within"),
-        ({"trunk-mass": 90}, "these answers do not go together: gait.sag_compensation"),
     ],
 )
 def test_wrong_options_are_one_line_and_write_nothing(new, change, words):
@@ -155,8 +154,17 @@ def test_wrong_options_are_one_line_and_write_nothing(new, change, words):
     assert not path.exists()
 
 
-def test_a_robot_too_weak_is_written_and_told(new):
-    weak = {"joints": "other", "trunk-mass": 6, "stall": 2.8}
+def test_joints_too_soft_for_their_whole_sag_get_the_share_that_the_core_holds(new):
+    """No question asks for that share, so the command must not refuse the answers because of it."""
+    heavy = {"joints": "other", "thigh": 0.13, "calf": 0.14, "trunk-mass": 3.5}
+    code, _, _, path = new(*options(heavy), "--defaults")
+    assert code == 0
+    assert load_robot(str(path)).gait.sag_compensation == 0.88
+
+
+@pytest.mark.parametrize("trunk_kg", [6, 90])
+def test_a_robot_too_weak_is_written_and_told(new, trunk_kg):
+    weak = {"joints": "other", "trunk-mass": trunk_kg, "stall": 2.8}
     code, out, _, path = new(*options(weak), "--defaults")
     assert code == 1
     assert "raise actuator.supply.stall_Nm" in " ".join(out.split())
