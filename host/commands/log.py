@@ -74,7 +74,8 @@ def record_facts(record: "Record") -> dict[str, Any]:
 
 def _show(facts: dict[str, Any]) -> None:
     console = screen()
-    console.print(f"{facts['robot']}: {facts['duration_s']:.1f} s, {facts['missed']} missed deadlines")
+    missed = f", {facts['missed']} missed deadlines" if "/timing" in facts["messages"] else ""
+    console.print(f"{facts['robot'] or facts['file']}: {facts['duration_s']:.1f} s{missed}", soft_wrap=True)
     print_table(("channel", "messages"), facts["messages"].items())
     for change in facts["states"]:
         console.print(f"{change['time_s']:8.2f} s  {change['state']:<12} {change['reason']}")

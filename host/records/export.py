@@ -46,7 +46,9 @@ def _begin(stack: ExitStack, path: Path, columns: list[str]) -> Any:
 
 
 def paths_of(record: Record, folder: Path) -> dict[str, Path]:
-    """Return the file of each topic, all in this one folder; UserError if two would share one."""
+    """Return the file of each topic, all in this one folder; UserError if two would share one, or if there is none."""
+    if not record.counts:
+        raise UserError(f"{record.path}: nothing to export: it contains no messages")
     paths = {topic: folder / f"{file_name(topic.removeprefix('/'))}.csv" for topic in record.counts}
     if len(set(paths.values())) < len(paths):
         raise UserError(f"{record.path}: two channels have one name except for a leading /: allowed: different names")

@@ -88,7 +88,7 @@ def _decompressed(chunk: Any) -> bytes:
     from zstandard import frame_content_size
 
     if chunk.compression not in ("zstd", ""):
-        raise BadPart(f"a chunk is compressed with {chunk.compression}")
+        raise BadPart(f"a chunk is compressed with {chunk.compression}, not with zstd")
     size = frame_content_size(chunk.data) if chunk.compression else 0
     if max(size, chunk.uncompressed_size) > LARGEST_PART:
         raise BadPart("a chunk is larger than a record's largest")

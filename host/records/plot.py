@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..robot.model import JOINT_NAMES, LEG_NAMES
 from ..util.console import plain
+from ..util.errors import UserError
 from ..util.files import atomic_path
 from ..util.pictures import make_figure
 from .reader import Record
@@ -34,7 +35,9 @@ FIELDS = {
 
 
 def plot_png(record: Record, path: Path) -> None:
-    """Draw a record's ``FIELDS`` into a PNG file."""
+    """Draw a record's ``FIELDS`` into a PNG file; UserError if it has none."""
+    if not any(len(record.of(topic)) for topic in FIELDS):
+        raise UserError(f"{record.path}: nothing to draw: it contains no message of {', '.join(FIELDS)}")
     figure = make_figure(12, 19)
     axes = figure.subplots(8, 1, sharex=True)
     title = f"{record.about.get('robot', 'robot')[:LONGEST_NAME]}: {record.duration_s:.1f} s, {record.path.name}"

@@ -88,11 +88,12 @@ def messages(record: Record, progress: Progress = lambda done: None) -> Iterator
     except NoMcap:
         raise _no_record(record.path) from None
     if not record.about and not record.counts:
-        raise _no_record(record.path)
+        raise _no_record(record.path, record.damage)
 
 
-def _no_record(path: Path) -> UserError:
-    return UserError(f"{path}: not a record: allowed: an MCAP file written by caramelo teleop --log")
+def _no_record(path: Path, damage: str = "") -> UserError:
+    why = f" ({damage})" if damage else ""
+    return UserError(f"{path}: not a record{why}: allowed: an MCAP file written by caramelo teleop --log")
 
 
 def _until_damage(found: Iterator[Part], record: Record) -> Iterator[Part]:

@@ -4,7 +4,7 @@ import errno
 import os
 import tomllib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
@@ -104,19 +104,24 @@ def parse_toml(text: str) -> dict[str, Any]:
 def atomic_path(path: Path) -> Iterator[Path]:
     """Yield a hidden path with the same ending to write to; it becomes ``path`` if the block ends well.
 
-    Any exception, Ctrl-C included, leaves an older ``path`` as it was. Missing folders are made. A link stays one.
-    UserError if the system refuses, or if ``path`` is a folder or a device, or a folder's by its form.
+    Any exception, Ctrl-C included, leaves an older ``path`` and the folders as they were. Missing folders are made. A
+    link stays one. UserError if the system refuses, or if ``path`` is a folder or a device, or a folder's by its form.
     """
-    _refuse_no_file(path, str(path))
-    place = Path(os.path.realpath(path))
-    draft = place.with_name(f".{place.stem}.{os.getpid()}{place.suffix}")
     with writing(path):
-        place.parent.mkdir(parents=True, exist_ok=True)
+        _refuse_no_file(path, str(path))
+        place = Path(os.path.realpath(path))
+        draft = place.with_name(f".{place.stem}.{os.getpid()}{place.suffix}")
+        made = [folder for folder in place.parents if not folder.exists()]
         try:
+            place.parent.mkdir(parents=True, exist_ok=True)
             yield draft
             os.replace(draft, place)
         finally:
-            draft.unlink(missing_ok=True)
+            with suppress(OSError):
+                draft.unlink()
+            with suppress(OSError):  # as soon as one is not empty, as all are after a success
+                for folder in made:
+                    folder.rmdir()
 
 
 def write_bytes(path: Path, content: bytes) -> None:

@@ -5,6 +5,7 @@ import time
 
 import numpy as np
 import pytest
+from mcap.writer import CompressionType
 
 from host.cli import main
 from host.records import plot
@@ -77,6 +78,34 @@ def test_a_wrong_value_is_named(tmp_path, capsys):
     assert main(["log", "plot", str(path)]) == 2
     assert capsys.readouterr().err == f"caramelo: {path}: message 3 of /joints: wanted_rad: allowed: 12 numbers\n"
     assert os.listdir(tmp_path) == ["x.mcap"]
+
+
+LONG = "x" * 300
+
+
+@pytest.mark.parametrize(
+    ("messages", "command", "words"),
+    [
+        ([("/gps", {"x": 1})], ["plot"], "nothing to draw: it contains no message of /state, /joints"),
+        ([], ["export", "csv"], "nothing to export: it contains no messages"),
+        ([("/gps", {"x": 1}), (LONG, {"x": 1})], ["export", "csv"], f"{LONG}.csv: can't be written: File name too"),
+        ([("/gps", {"x": 1}), ("/gps", b"?")], ["export", "csv"], "message 2 of /gps: not JSON"),
+    ],
+)
+def test_what_can_not_be_shown_is_told_and_leaves_nothing(tmp_path, capsys, messages, command, words):
+    path = mcap(tmp_path / "x.mcap", messages)
+    assert main(["log", *command, str(path)]) == 2
+    assert words in capsys.readouterr().err
+    assert os.listdir(tmp_path) == ["x.mcap"]
+
+
+def test_foreign_files_are_named_and_their_compression_is(tmp_path, capsys):
+    path = mcap(tmp_path / "x.mcap", [("/gps", {"x": 1})], about=None)
+    assert main(["log", "info", str(path)]) == 0
+    assert capsys.readouterr().out.startswith(f"{path}: 0.0 s\n")
+    path = mcap(tmp_path / "y.mcap", [("/gps", {"x": 1})], about=None, compression=CompressionType.LZ4)
+    assert main(["log", "info", str(path)]) == 2
+    assert f"{path}: not a record (a chunk is compressed with lz4, not with zstd): allowed" in capsys.readouterr().err
 
 
 def test_a_topic_leads_nowhere_else(tmp_path, capsys):

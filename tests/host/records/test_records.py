@@ -148,11 +148,14 @@ def test_a_record_cut_anywhere_opens(drive, tmp_path):
             assert replay(record).ok
 
 
-@pytest.mark.parametrize("content", [b"", b"\x89MCAP0\r\n", b"no record at all", os.urandom(300)])
-def test_what_is_no_record_is_refused(tmp_path, content):
+@pytest.mark.parametrize(
+    ("content", "why"),
+    [(b"", ""), (b"\x89MCAP0\r\n", r" \(the file is cut off\)"), (b"no record at all", ""), (os.urandom(300), "")],
+)
+def test_what_is_no_record_is_refused(tmp_path, content, why):
     path = tmp_path / "x.mcap"
     path.write_bytes(content)
-    with pytest.raises(UserError, match="not a record: allowed: an MCAP file"):
+    with pytest.raises(UserError, match=f"not a record{why}: allowed: an MCAP file"):
         read_record(path)
 
 
