@@ -36,7 +36,12 @@ def sources_id(root: Path = ROOT) -> str:
 def home() -> Path:
     """Return the folder of cores: beside this Python's packages, unless CARAMELO_CORE names another."""
     named = os.environ.get(SWITCH)
-    return Path(named) if named and named != "source" else Path(sysconfig.get_path("platlib")) / "caramelo_core"
+    return Path(named) if named and not turned_off() else Path(sysconfig.get_path("platlib")) / "caramelo_core"
+
+
+def turned_off() -> bool:
+    """Return True if CARAMELO_CORE asks for the sources."""
+    return os.environ.get(SWITCH) == "source"
 
 
 def kept_cores() -> list[Path]:
@@ -51,7 +56,7 @@ def find_core(root: Path = ROOT) -> Path | None:
 
     None also if CARAMELO_CORE is "source".
     """
-    if os.environ.get(SWITCH) == "source" or not (PACKED.is_dir() or kept_cores()):
+    if turned_off() or not (PACKED.is_dir() or kept_cores()):
         return None
     name = sources_id(root)
     return next((core for core in (home() / name, PACKED / name) if (core / _INSIDE).is_file()), None)

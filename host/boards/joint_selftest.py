@@ -125,10 +125,13 @@ def _switched(figures: dict[str, Any]) -> list[Row]:
 
 def ask(port: str, bridge: bool = False) -> dict[str, Any]:
     """Return the figures of the board at ``port``; UserError in one line if it does not answer."""
-    from .flash.link import stopped
+    from .flash.link import BoardError, BoardScriptError, stopped
 
-    with stopped(port) as link:
-        return link.ask(SCRIPT % bridge, Figures, TIMEOUT_S).model_dump(exclude_none=True)
+    try:
+        with stopped(port) as link:
+            return link.ask(SCRIPT % bridge, Figures, TIMEOUT_S).model_dump(exclude_none=True)
+    except BoardScriptError as error:
+        raise BoardError(f"{error}: does a joint's firmware run on it? caramelo board info --port {port}") from error
 
 
 def _row(name: str, value: int, low: int, high: int) -> Row:

@@ -72,20 +72,21 @@ def _drop(cores: "list[Path]") -> None:
 
 
 def _allow() -> None:
-    import os
+    from ..boards.core import SWITCH, turned_off
 
-    from ..boards.core import SWITCH
-
-    if os.environ.get(SWITCH) == "source":
+    if turned_off():
         raise UserError(f"{SWITCH}=source turns the compiled core off: unset it first")
 
 
 def _tell(as_json: bool) -> int:
-    from ..boards.core import find_core, kept_cores
+    from ..boards.core import find_core, kept_cores, turned_off
 
     found = find_core()
     if as_json:
         write_json({"compiled": found is not None, "folder": str(found) if found else None})
+    elif turned_off():
+        screen().print("the core runs from its sources: CARAMELO_CORE=source turns the compiled one off",
+                       soft_wrap=True)
     elif found:
         screen().print(f"the core runs as machine code, from {found}", soft_wrap=True)
     elif kept_cores():

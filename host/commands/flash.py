@@ -20,6 +20,7 @@ Can = Annotated[bool, typer.Option("--can", help="Over the joints' bus: the join
 Port = Annotated[list[str] | None, typer.Option("--port", help="Serial port of the board; repeatable with --all.")]
 All = Annotated[bool, typer.Option("--all", help="All boards, found or named with --port; with --can all joints.")]
 Node = Annotated[int | None, typer.Option("--id", min=1, max=12, help="Id that the joint gets on the bus and keeps.")]
+JOINTS_ROBOT = "parallel"  # whose joints are on CAN
 Dry = Annotated[bool, typer.Option("--dry-run", help="Only print what would be done.")]
 
 
@@ -31,7 +32,7 @@ def flash(
     every: All = False,
     node: Node = None,
     dry_run: Dry = False,
-    robot: RobotName = "parallel",
+    robot: RobotName = JOINTS_ROBOT,
     interface: Interface = None,
     channel: Channel = None,
     as_json: Json = False,
@@ -50,8 +51,9 @@ def flash(
         if port or node is not None:
             raise UserError("flash --can: --port and --id are for boards on USB; name joints by number, or --all")
         return flash_over_can(image, nodes or [], every, dry_run, (robot, interface, channel), as_json)
-    if nodes or interface or channel:
-        raise UserError("flash: joint numbers, --interface and --channel go with --can; name boards on USB with --port")
+    if nodes or interface or channel or robot != JOINTS_ROBOT:
+        raise UserError("flash: joint numbers, --robot, --interface and --channel go with --can; "
+                        "name boards on USB with --port")
     from ..boards.build.image_file import read_image_file
     from ..boards.flash.flash import Wish
 

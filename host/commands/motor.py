@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ..robot.actuators import Bldc
     from ..sim.motor.result import Result
 
-GROUP = typer.Typer(help="Simulate a brushless joint with its own firmware, or test its board.")
+GROUP = typer.Typer(help="Simulate a brushless joint with its own firmware, or test its board.", no_args_is_help=True)
 
 RobotOption = Annotated[str, typer.Option(help="A robot with brushless joints: its name, or a file ending in .toml.")]
 
@@ -62,7 +62,7 @@ def sim(
     else:
         rows = [("" if i else name, key, value)
                 for name, row in figures.items() for i, (key, value) in enumerate(row.items())]
-        print_table(("scenario", "figure", "value"), rows)
+        print_table(("scenario", "figure", "value"), rows, 80)
         tell_written(written)
     return 0 if ok else NOT_ACHIEVED
 
@@ -98,7 +98,7 @@ def selftest(
         from rich.text import Text
 
         print_table(("figure", "found", "allowed", ""), [
-            (row.name, row.found, row.allowed, "ok" if row.ok else Text("outside", style="red")) for row in rows])
+            (row.name, row.found, row.allowed, "ok" if row.ok else Text("outside", style="red")) for row in rows], 90)
     return 0 if ok else NOT_ACHIEVED
 
 

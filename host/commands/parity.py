@@ -47,6 +47,8 @@ def parity(
     from ..util.progress import cases
 
     if memory:
+        if runtime or port or coverage:
+            raise UserError("parity --memory: goes without --runtime, --port and --coverage")
         return show_memory(as_json)
     chosen = choose(runtime, port)
     with tempfile.TemporaryDirectory(prefix="caramelo-") as folder, cases("parity") as tell:
@@ -74,8 +76,10 @@ def show_memory(as_json: bool) -> int:
 
     from ..lab.parity.sources import gather
     from ..lab.parity.table import measure_rows
+    from ..util.progress import cases
 
-    with tempfile.TemporaryDirectory(prefix="caramelo-") as folder, screen().status("every function in two VMs"):
+    with tempfile.TemporaryDirectory(prefix="caramelo-") as folder, cases("memory") as tell:
+        tell(1, 1, "every function in two VMs")
         rows = measure_rows(gather(Path(folder)), Path(folder))
     if as_json:
         write_json({"functions": [asdict(row) for row in rows]})
@@ -86,9 +90,12 @@ def show_memory(as_json: bool) -> int:
 
 
 def choose(names: list[str] | None, port: str | None) -> "list[Runtime]":
-    """Return the wanted runtimes, CPython first; UserError for an unknown name."""
+    """Return the wanted runtimes, CPython first; UserError for an unknown name or a port that is none."""
+    from ..boards.flash.link import check_port
     from ..boards.runtimes import all_runtimes
 
+    if port is not None:
+        check_port(port)
     runtimes = all_runtimes(port, emulated=EMULATED in (names or []))
     known = [runtime.name for runtime in runtimes]
     for name in names or []:

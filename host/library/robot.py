@@ -87,7 +87,10 @@ class Robot:
         return self
 
     def close(self) -> None:
-        """Sit down, let the joints go, end the record; if it can't sit, let go at once. May be called twice."""
+        """Sit down, let the joints go, end the record; if it can't sit, let go at once. May be called twice.
+
+        Error if a part of the record is missing, as on a full disk: the robot went on without it.
+        """
         run, self._run = self._run, None
         if run is not None:
             run.close()

@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..control.arbiter import Client
 from ..control.health import Finding, findings
@@ -16,6 +17,9 @@ from .errors import Error, Fault, NotAchieved
 from .places import Place
 from .sensed import Sensed
 from .ticks import SimulatedTicks, ThreadTicks
+
+if TYPE_CHECKING:
+    from ..records.recorder import Recorder
 
 CLIENT = Client("script")
 # Walking to a stop, sitting down and letting go take a few seconds; after this the robot is let go where it is.
@@ -33,6 +37,7 @@ class Run:
         self.sticks: Drive | None = None
         self.sensed = Sensed()
         self._stack = ExitStack()
+        self._recorder: Recorder | None = None
         self._log: Callable[[Loop], None] = lambda loop: None
         with ExitStack() as opened:
             self.supervisor = open_supervisor(opened, robot, place.hardware, sleep=place.advance or time.sleep)
@@ -53,7 +58,7 @@ class Run:
         from ..records.log import LoopLog, about
         from ..records.recorder import Recorder, record_path
 
-        recorder = Recorder(record_path(path), about(self.robot, self.supervisor))
+        recorder = self._recorder = Recorder(record_path(path), about(self.robot, self.supervisor))
         stack.callback(recorder.close)
         log, simulated = LoopLog(recorder), self.place.advance is not None
 
@@ -143,7 +148,10 @@ class Run:
         self.ticks.wait()
 
     def close(self) -> None:
-        """Sit down, let go, and end everything; let go at once if sitting down is not possible."""
+        """Sit down, let go, and end everything; let go at once if sitting down is not possible.
+
+        Error at the end if a part of the record is missing: the robot went on without it.
+        """
         try:
             self._sit_down()
         except BaseException:
@@ -152,6 +160,10 @@ class Run:
         finally:
             self.ticks.close()
             self._stack.close()
+        recorder = self._recorder
+        if recorder is not None and (recorder.trouble or recorder.dropped):
+            why = recorder.trouble or f"{recorder.path}: the disk is too slow"
+            raise Error(f"record {why}: {recorder.dropped} messages are missing")
 
     def _sit_down(self) -> None:
         self.ticks.do(self.supervisor.leave)

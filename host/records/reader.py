@@ -48,7 +48,9 @@ class Record:
 
 
 def find_record(path: Path) -> Path:
-    """Return the file; for a folder, its newest record."""
+    """Return the file; for a folder, its newest record. UserError for a pipe: some commands read a record twice."""
+    if path.is_fifo():
+        raise UserError(f"{path}: is a pipe: write the record into a file first")
     if not path.is_dir():
         return path
     records = sorted(path.glob("*.mcap"), key=lambda record: record.stat().st_mtime_ns)

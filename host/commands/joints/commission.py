@@ -8,6 +8,7 @@ import typer
 
 from ...util.console import print_table, progress, screen, write_error, write_json
 from ...util.errors import NOT_ACHIEVED, UserError
+from ...util.files import check_file
 from .options import NODES, Channel, Interface, Json, RobotName, Sim, joints
 
 if TYPE_CHECKING:
@@ -39,6 +40,7 @@ def commission(
     nodes = _nodes(node)
     if verify and out:
         raise UserError("--out: not with --verify, which finds nothing to write")
+    check_file("--out", out)
     if out and (out.suffix != ".toml" or out.exists() or not out.parent.is_dir()):
         raise UserError(f"--out {out}: give a new file ending in .toml, in a folder that exists")
     bldc = load_robot(robot).actuator

@@ -15,6 +15,7 @@ import caramelo
 from caramelo import BadValue, Error, Fault, NotAchieved, Robot
 from host.bus.base import JOINTS
 from host.library.errors import own_words
+from host.records.recorder import Recorder
 from host.robot.file import load_robot
 from host.robot.poses import seated_pose_rad
 from host.util.errors import UserError
@@ -294,6 +295,23 @@ def test_a_record_holds_every_tick(tmp_path, run):
     assert json.loads(out)["messages"]["/joints"] == loop.pacer.ticks
     with pytest.raises(Error, match=r"walk.mcap: the file exists"):
         Robot("sim", record=path).open()
+
+
+def test_a_record_that_ends_early_is_told_once_the_robot_sits(tmp_path, monkeypatch):
+    synced = []
+
+    def full(recorder):
+        synced.append(recorder)
+        if len(synced) > 1:
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Recorder, "_force", full)
+    robot = Robot("sim", record=tmp_path / "x.mcap").open()
+    robot.stand()
+    supervisor = robot._opened.supervisor
+    with pytest.raises(Error, match=r"record .*x\.mcap: the record ends here: No space left on device: \d+ messages "):
+        robot.close()
+    assert not supervisor.armed
 
 
 def test_records_of_one_second_get_names_of_their_own(tmp_path):

@@ -134,6 +134,17 @@ def test_wrong_use_is_told_with_an_example(capsys, arguments, words):
     assert words in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("command", [["info"], ["export", "csv"]])
+def test_a_pipe_is_refused_before_it_is_read(tmp_path, capsys, command):
+    reader, writer = os.pipe()
+    os.write(writer, mcap(tmp_path / "x.mcap", drive(1)).read_bytes())
+    os.close(writer)
+    path = f"/dev/fd/{reader}"
+    assert main(["log", *command, path]) == 2
+    os.close(reader)
+    assert capsys.readouterr().err == f"caramelo: {path}: is a pipe: write the record into a file first\n"
+
+
 def test_a_picture_never_replaces_its_record(tmp_path, capsys):
     path = mcap(tmp_path / "x.png", drive(2))
     before = path.read_bytes()

@@ -180,6 +180,12 @@ def test_micropython_without_our_firmware_is_told_what_to_do(run, tmp_path):
             one_line(answer, 1, "caramelo's firmware is not on the board", "dfu-util")
 
 
+def test_a_board_without_a_joints_firmware_has_no_self_test(run, tmp_path):
+    with PretendBoard(tmp_path / "board", make()) as board:
+        one_line(run("motor", "selftest", "--port", board.port), 1, "does a joint's firmware run on it? caramelo board")
+        board.wait_for_own_start()
+
+
 def test_the_shell_carries_both_ways_until_it_is_left(tmp_path):
     with PretendBoard(tmp_path / "board", make()) as board, link_module.BoardLink(board.port) as link:
         keys, typed = os.pipe()

@@ -94,6 +94,7 @@ def test_another_way_of_updating_is_told(run, robot, image, monkeypatch):
         (("--can", "13"), "flash --can 13: allowed 1 to 12: FR hip 1, thigh 2, calf 3, then FL, RR, RL"),
         (("--can", "3", "--port", "/dev/null"), "--port and --id are for boards on USB"),
         (("3",), "go with --can"),
+        (("--port", "/dev/null", "--robot", "caramelo"), "go with --can"),
         (("--can", "3", "--robot", "caramelo"), "caramelo has no joints on CAN"),
     ],
 )

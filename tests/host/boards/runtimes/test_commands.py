@@ -43,12 +43,27 @@ def test_parity_exits_1_if_a_runtime_fails(capsys, quick, monkeypatch):
     assert "no answer" in found["differences"][0]
 
 
-def test_an_unknown_runtime_is_wrong_use(capsys):
-    assert main(["parity", "--runtime", "pdp11"]) == 2
-    known = "--runtime pdp11: allowed cpython, cpython-compiled, cpython-c, wasi-source"
-    assert known in capsys.readouterr().err
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--runtime", "pdp11"), "--runtime pdp11: allowed cpython, cpython-compiled, cpython-c, wasi-source"),
+        (("--port", "/dev/none"), "/dev/none: no such port"),
+        (("--memory", "--runtime", "cpython"), "--memory: goes without --runtime, --port and --coverage"),
+    ],
+)
+def test_wrong_use_is_told_before_anything_runs(capsys, arguments, words):
+    assert main(["parity", *arguments]) == 2
+    told = capsys.readouterr().err
+    assert words in told
+    assert told.count("\n") == 1
+
+
+def test_memory_tells_what_it_does_and_leaves_stdout_to_the_result(capsys, quick, monkeypatch):
+    monkeypatch.setattr("host.lab.parity.table.measure_rows", lambda sources, work: [])
+    assert main(["parity", "--memory", "--json"]) == 0
+    assert capsys.readouterr() == ('{"functions": []}\n', "memory: 1 of 1: every function in two VMs\n")
 
 
 def test_the_board_comes_only_with_a_port():
-    assert [r.name for r in command.choose(["wasi-source"], "/dev/ttyACM0")] == ["cpython", "wasi-source", "board"]
+    assert [r.name for r in command.choose(["wasi-source"], "/dev/null")] == ["cpython", "wasi-source", "board"]
     assert "board" not in [r.name for r in command.choose(None, None)]

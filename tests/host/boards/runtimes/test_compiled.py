@@ -116,6 +116,9 @@ def test_show_and_remove_touch_cores_only(compiled_home, tmp_path, monkeypatch, 
     monkeypatch.setenv(core.SWITCH, str(home))
     code, out, _ = run("core", "show", "--json")
     assert (code, json.loads(out)["compiled"]) == (0, True)
+    with monkeypatch.context() as aside:
+        aside.setenv(core.SWITCH, "source")
+        assert "CARAMELO_CORE=source turns the compiled one off" in run("core", "show")[1]
     assert run("core", "remove", "--json")[:2] == (0, '{"compiled": false, "folder": null}\n')
     assert sorted(path.name for path in home.iterdir()) == ["0123456789abcdef", "letters"]
 

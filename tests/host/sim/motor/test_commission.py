@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import random
 import statistics
 from dataclasses import replace
@@ -186,6 +187,12 @@ def test_the_command_tells_what_was_found_and_writes_the_robot_file(capsys, tmp_
 def test_wrong_use_is_told_before_anything_moves(capsys, arguments, sentence):
     assert main(["joints", "commission", *arguments, "--sim"]) == 2
     assert sentence in capsys.readouterr().err
+
+
+def test_a_folder_that_takes_no_file_is_told_before_anything_moves(capsys, tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda path, mode: path != tmp_path)
+    assert main(["joints", "commission", "5", "--sim", "--out", str(tmp_path / "measured.toml")]) == 2
+    assert f"you may not write to {tmp_path}" in capsys.readouterr().err
 
 
 def ripple(bench):

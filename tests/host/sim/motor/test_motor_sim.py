@@ -196,6 +196,19 @@ def test_json_has_the_keys_that_are_promised(capsys):
     assert "under-voltage" in fault["message"]
 
 
+def test_a_narrow_terminal_cuts_no_name_and_no_figure(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "40")
+    assert main(["motor", "sim", "--scenario", "fault-bus-sag"]) == 0
+    told = capsys.readouterr().out
+    assert "detected_after_ms" in told
+    assert "…" not in told
+
+
+def test_without_a_command_the_help_is_printed(capsys):
+    main(["motor"])
+    assert "selftest" in capsys.readouterr().out
+
+
 def test_a_robot_with_servos_is_refused(capsys):
     assert main(["motor", "sim", "--robot", "caramelo"]) == 2
     assert "its joints are not brushless" in capsys.readouterr().err
