@@ -66,9 +66,8 @@ def _kept(path: Path, robot: Robot) -> Iterator[Callable[[str, float, dict[str, 
             yield put
         finally:
             recorder.close()
-        if recorder.trouble or recorder.dropped:
-            why = f"{recorder.path}: the disk is too slow: {recorder.dropped} rows missing"
-            raise UserError(recorder.trouble or why)
+        if recorder.missing:
+            raise UserError(recorder.trouble or f"{recorder.missing}: {recorder.dropped} rows missing")
 
 
 def kept_traces(path: Path, robot: Robot) -> list[Trace]:

@@ -161,9 +161,8 @@ class Run:
             self.ticks.close()
             self._stack.close()
         recorder = self._recorder
-        if recorder is not None and (recorder.trouble or recorder.dropped):
-            why = recorder.trouble or f"{recorder.path}: the disk is too slow"
-            raise Error(f"record {why}: {recorder.dropped} messages are missing")
+        if recorder is not None and recorder.missing:
+            raise Error(f"record {recorder.missing}: {recorder.dropped} messages are missing")
 
     def _sit_down(self) -> None:
         self.ticks.do(self.supervisor.leave)

@@ -55,6 +55,11 @@ class Recorder:
         self._thread = threading.Thread(target=self._write_all, name="recorder", daemon=True)
         self._thread.start()
 
+    @property
+    def missing(self) -> str:
+        """Why a part of the record is missing, so far; empty if none is."""
+        return self.trouble or (f"{self.path}: the disk is too slow" if self.dropped else "")
+
     def _begin(self, path: Path) -> None:
         """Start a file; if it continues another, its metadata contain the part's number."""
         from mcap.writer import CompressionType, Writer

@@ -117,7 +117,7 @@ def atomic_path(path: Path) -> Iterator[Path]:
             yield draft
             os.replace(draft, place)
         finally:
-            with suppress(OSError):
+            with suppress(OSError):  # it may never have been made
                 draft.unlink()
             with suppress(OSError):  # as soon as one is not empty, as all are after a success
                 for folder in made:
