@@ -2,7 +2,8 @@
 
 ``current_step`` is written for few instructions: in viper its two integer parameters live in
 registers and hold the pair it works on (currents, errors, voltages, then the extremes of the
-phases), it calls nothing and reads each place once or twice; one array holds all it needs, its sine
+phases), it calls nothing and reads each place once or twice; a product names what comes from memory
+before what is in a register, which saves an instruction; one array holds all it needs, its sine
 table too, because passing an array is expensive. Rare cases are left to ``current_repair``; the
 step's result says so:
 
@@ -44,7 +45,7 @@ def current_step(d: int, q: int, loop: CurrentLoop) -> int:
     if (d - loop.rotor + _JUMP) & _JUMP_OUTSIDE | loop.masked | q:
         return STEP_INPUT
     loop.rotor = d
-    d = d * loop.electrical_gain + loop.electrical_offset
+    d = loop.electrical_gain * d + loop.electrical_offset
     q = ((d & 63) - 32) * _RAD_Q22
     c = d >> 6 & 1023
     s = loop.sine[c]
@@ -60,11 +61,11 @@ def current_step(d: int, q: int, loop: CurrentLoop) -> int:
     if d * d + q * q > loop.trip_square:
         return STEP_TRIP
     d = loop.reference_d - d
-    loop.integral_d = d * loop.ki + loop.integral_d
-    d = ((d * loop.kp + loop.integral_d + 4096) >> 13) + loop.feed_d
+    loop.integral_d = loop.ki * d + loop.integral_d
+    d = ((loop.kp * d + loop.integral_d + 4096) >> 13) + loop.feed_d
     q = loop.reference_q + loop.cogging_q - q
-    loop.integral_q = q * loop.ki + loop.integral_q
-    q = ((q * loop.kp + loop.integral_q + 4096) >> 13) + loop.feed_q
+    loop.integral_q = loop.ki * q + loop.integral_q
+    q = ((loop.kp * q + loop.integral_q + 4096) >> 13) + loop.feed_q
     loop.voltage_d = d
     loop.voltage_q = q
     if d * d + q * q > loop.limit_square:

@@ -5,6 +5,7 @@ the board names the line of the source.
 """
 
 import ast
+from collections.abc import Container, Iterator, Mapping
 from dataclasses import dataclass
 
 from .rules import POINTERS, REGISTERS, aliases, check_hot, hot_function
@@ -27,10 +28,11 @@ def rewrite(module: Module, modules: dict[str, Module], emitter: str, arch: str)
     """Return the module's text for ``emitter``; BuildError with file, line and rule if it breaks one.
 
     Every emitter: constants become their numbers in all functions. native and viper: the mark
-    becomes the emitter's. native and bytecode: ptr16(x) becomes x. viper: results of hot
-    functions become int(...), -> None goes, which it does not know, and on x64, where ptr32 reads
-    unsigned, elements are sign-extended, and -x becomes (0 - x), because MicroPython's x64 viper
-    (1.28) negates the local x itself.
+    becomes the emitter's. native and bytecode: ptr16(x) becomes x. viper: a parameter that is only
+    read through its alias becomes the pointer itself, results of hot functions become int(...),
+    -> None goes, which it does not know, and on x64, where ptr32 reads unsigned, elements are
+    sign-extended, and -x becomes (0 - x), because MicroPython's x64 viper (1.28) negates the local
+    x itself.
     """
     place = Places(module.text)
     edits: list[Edit] = []
@@ -42,8 +44,9 @@ def rewrite(module: Module, modules: dict[str, Module], emitter: str, arch: str)
             marks = [mark for mark in function.decorator_list if is_name(mark, "hot")]
             edits += [place.edit(mark, f"micropython.{emitter}") for mark in marks]
         if emitter != "viper":
-            edits += _strip_aliases(function, place)
+            edits += _without_pointers(function, place)
             continue
+        edits += _typed_parameters(function, place)
         edits += _wrap_calls(module, function, modules, place)
         edits += _name_registers(function, place)
         if has_no_result(function):
@@ -131,34 +134,57 @@ def strip_pointers(function: ast.FunctionDef, place: Places) -> list[Edit]:
     return edits
 
 
-def _strip_aliases(function: ast.FunctionDef, place: Places) -> list[Edit]:
+def _without_pointers(function: ast.FunctionDef, place: Places) -> list[Edit]:
     """As strip_pointers; where a parameter's alias was, the parameter is used, and its frame gets smaller.
 
     A frame of more than eleven words is taken from MicroPython's heap, which costs more than the call itself.
     """
-    edits = strip_pointers(function, place)
-    renamed = _renamed(function)
-    for statement in function.body:
-        made = statement.targets[0] if isinstance(statement, ast.Assign) else None
-        if isinstance(made, ast.Name) and made.id in renamed:
-            start, end = place.start(statement), place.end(statement)
-            edits = [edit for edit in edits if not start <= edit.offset < end]
-            edits.append(place.edit(statement, "pass"))
-    for node in ast.walk(function):
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id in renamed:
-            edits.append(place.edit(node, renamed[node.id]))
-    return edits
+    parameters = _parameters_behind(function)
+    gone = [(place.start(made), place.end(made)) for made in _made(function, parameters)]
+    kept = [edit for edit in strip_pointers(function, place)
+            if not any(start <= edit.offset < end for start, end in gone)]
+    return kept + _without_aliases(function, parameters, place)
 
 
-def _renamed(function: ast.FunctionDef) -> dict[str, str]:
-    """Return the parameter behind each alias of a parameter that is never set anew."""
+def _typed_parameters(function: ast.FunctionDef, place: Places) -> list[Edit]:
+    """Give a parameter that only its alias reads the alias's type: ``x: ptr32``, without ``_x = ptr32(x)``.
+
+    Viper keeps its first parameters in registers, and other names in memory.
+    """
+    read = [node.id for node in ast.walk(function) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)]
+    parameters = {alias: name for alias, name in _parameters_behind(function).items() if read.count(name) == 1}
+    kinds, places = aliases(function), {argument.arg: place.end(argument) for argument in function.args.args}
+    types = [Edit(places[name], 0, f": {kinds[alias]}") for alias, name in parameters.items()]
+    return types + _without_aliases(function, parameters, place)
+
+
+def _parameters_behind(function: ast.FunctionDef) -> dict[str, str]:
+    """Return the parameter behind each alias, where neither is ever set anew."""
     given = {argument.arg for argument in function.args.args} - stored_names(function)
+    stored = [node.id for node in ast.walk(function) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)]
     found = {}
     for name, value in assignments(function.body):
         behind = value.args[0] if isinstance(value, ast.Call) and called(value) in POINTERS else None
-        if isinstance(behind, ast.Name) and behind.id in given:
+        if isinstance(behind, ast.Name) and behind.id in given and stored.count(name) == 1:
             found[name] = behind.id
     return found
+
+
+def _made(function: ast.FunctionDef, names: Container[str]) -> Iterator[ast.Assign]:
+    """Yield the statements at a function's own level that set one of the names."""
+    for statement in function.body:
+        target = statement.targets[0] if isinstance(statement, ast.Assign) else None
+        if isinstance(statement, ast.Assign) and isinstance(target, ast.Name) and target.id in names:
+            yield statement
+
+
+def _without_aliases(function: ast.FunctionDef, parameters: Mapping[str, str], place: Places) -> list[Edit]:
+    """Use the parameter in the place of each alias, and make no alias."""
+    edits = [place.edit(statement, "pass") for statement in _made(function, parameters)]
+    for node in ast.walk(function):
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id in parameters:
+            edits.append(place.edit(node, parameters[node.id]))
+    return edits
 
 
 def _name_registers(function: ast.FunctionDef, place: Places) -> list[Edit]:

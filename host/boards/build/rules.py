@@ -70,8 +70,10 @@ def check_hot(module: Module, function: ast.FunctionDef, modules: dict[str, Modu
 
 
 def aliases(function: ast.FunctionDef) -> dict[str, str]:
-    """Return the local names that stand for a pointer, with its kind: ``table = ptr16(TAB)``."""
-    return {name: called(value) for name, value in assignments(ast.walk(function)) if called(value) in MARKS}
+    """Return the local names that stand for a pointer, with its kind: ``table = ptr16(TAB)``, or a typed parameter."""
+    made = {name: called(value) for name, value in assignments(ast.walk(function)) if called(value) in MARKS}
+    typed = {given.arg: given.annotation.id for given in function.args.args if isinstance(given.annotation, ast.Name)}
+    return made | {name: kind for name, kind in typed.items() if kind in MARKS}
 
 
 def _body(function: ast.FunctionDef) -> Iterator[ast.AST]:

@@ -134,12 +134,12 @@ REWRITTEN = {
         "h(a)", "return b[a] - x",
     ),
     ("viper", "armv7emsp"): (
-        "@micropython.viper", "table = ptr16(TAB)", "p = ptr32(b)", "p[0] >>= 1", "x = int(g(a)) + table[1] * 2",
-        "g(a)", "h(a)", "return p[a] - x",
+        "@micropython.viper", "table = ptr16(TAB)", "pass", "b[0] >>= 1", "x = int(g(a)) + table[1] * 2",
+        "g(a)", "h(a)", "return b[a] - x",
     ),
     ("viper", "x64"): (
-        "@micropython.viper", "table = ptr16(TAB)", "p = ptr32(b)", "p[0] = ((p[0] << 32) >> 32) >> (1)",
-        "x = int(g(a)) + table[1] * 2", "g(a)", "h(a)", "return ((p[a] << 32) >> 32) - x",
+        "@micropython.viper", "table = ptr16(TAB)", "pass", "b[0] = ((b[0] << 32) >> 32) >> (1)",
+        "x = int(g(a)) + table[1] * 2", "g(a)", "h(a)", "return ((b[a] << 32) >> 32) - x",
     ),
 }  # fmt: skip
 
@@ -152,6 +152,16 @@ def test_rewriting_keeps_every_line_in_its_place(tmp_path, emitter, arch):
     assert [line for line in lines if not line.startswith("def ")] == list(REWRITTEN[emitter, arch])
     assert text.count("\n") == (HEAD + GOOD).count("\n")
     assert ("def h(a: int):\n" in text) == (emitter == "viper")
+    assert ("def f(a: int, b: ptr32) -> int:\n" in text) == (emitter == "viper")
+
+
+@pytest.mark.parametrize("line", ["g(b)", "p = ptr32(c)", "b = c"])
+def test_an_alias_stays_where_the_array_is_needed_too_or_another_takes_its_place(tmp_path, line):
+    body = hot("p = ptr32(b)", line, "return p[0]", head="f(b, c) -> int")
+    modules = read_modules(core(tmp_path, body + "\n\n" + hot("return 1", head="g(a) -> int")), ("shared",))
+    text = rewrite(modules["shared.one"], modules, "viper", "armv7emsp").decode()
+    assert "def f(b, c) -> int:\n    p = ptr32(b)\n" in text
+    assert "    return p[0]\n" in text
 
 
 def test_constants_of_other_modules_become_numbers(tmp_path):
