@@ -56,11 +56,10 @@ def check_compiler() -> str:
 
 
 def run(command: Sequence[str]) -> str:
-    """Run a program and return what it printed; UserError with its last words if it fails."""
+    """Run a program and return what it printed; UserError with its first complaint if it fails."""
     done = subprocess.run(command, text=True, capture_output=True)
     if done.returncode:
-        words = (done.stderr or done.stdout).strip().splitlines() or ["no words"]
-        raise UserError(f"{Path(command[0]).name} failed: {words[-1]}", NOT_ACHIEVED)
+        raise UserError(f"{Path(command[0]).name} failed: {_complaint(done.stdout + done.stderr)}", NOT_ACHIEVED)
     return done.stdout
 
 
@@ -92,10 +91,10 @@ def make(
 
 
 def _complaint(text: str) -> str:
-    """Return the first line of a build's output that says what is wrong."""
-    lines = text.splitlines()
+    """Return the first line of a build's output that says what is wrong, or its last."""
+    lines = text.strip().splitlines()
     for mark in ("will not fit", "error:", "overflowed", "undefined reference", "Error", "***"):
         for line in lines:
             if mark in line:
                 return line.strip()[:300]
-    return "no reason was printed"
+    return lines[-1] if lines else "no reason was printed"
