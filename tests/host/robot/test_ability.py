@@ -142,7 +142,13 @@ def test_every_robot_can_carry_itself(name):
     known = ability(robot)
     assert list(cannot(robot, known)) == []
     assert known.flat_m_s == pytest.approx(min(known.able_m_s, 0.25 * sqrt(G_M_S2 * robot.stance.rest_height_m)))
-    assert 0 < known.step_m <= known.lift_m
+    assert 0 < known.step_m <= 0.8 * known.lift_m
+
+
+def test_legs_that_lift_a_foot_less_step_up_less():
+    known = ability(with_drives("unitree-a1", no_load_rad_s=4.0))
+    assert known.lift_why == "the calf's speed"
+    assert known.step_m == pytest.approx(0.78 * known.lift_m)
 
 
 def test_legs_too_slow_for_a_step_on_the_spot_are_told():
