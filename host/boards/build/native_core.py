@@ -14,7 +14,7 @@ import tempfile
 from pathlib import Path
 
 from ... import ROOT
-from ...util.errors import UserError
+from ...util.errors import NOT_ACHIEVED, UserError
 from ...util.extras import how_to_get
 from ..core import PACKAGE
 from .source import BuildError, Module, read_modules
@@ -98,7 +98,7 @@ def _run_mypyc(work: Path, paths: list[str]) -> None:
         done = subprocess.run(command, cwd=work, capture_output=True, text=True, timeout=_TIME_LIMIT_S,
                               stdin=subprocess.DEVNULL)
     except subprocess.TimeoutExpired as error:
-        raise UserError(f"compiling the core took more than {_TIME_LIMIT_S:g} s") from error
+        raise UserError(f"compiling the core took more than {_TIME_LIMIT_S:g} s", NOT_ACHIEVED) from error
     if done.returncode:
         words = [line for line in (done.stdout + done.stderr).splitlines() if "error" in line.lower()]
-        raise UserError(f"compiling the core failed: {(words or ['without a word'])[0][:300]}")
+        raise UserError(f"compiling the core failed: {(words or ['without a word'])[0][:300]}", NOT_ACHIEVED)

@@ -143,5 +143,5 @@ def _tell(
             for f in made
         ])  # fmt: skip
     done = "verified" if verify else "commissioned"
-    file = f"; {written} written" if written else ""
+    file = f"; {written} written" if written else f"; {out} is written once all of them are" if out else ""
     screen().print(f"{asked - len(failed)} of {asked} joints {done}{file}", soft_wrap=True)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ...util.console import write_error
+from ...util.errors import UserError
 
 if TYPE_CHECKING:
     from ...bus.can.joints import CanJoints
@@ -35,6 +36,8 @@ def joints(
     from ...robot.file import load_can_robot
     from ...robot.poses import seated_pose_rad
 
+    if simulated and (interface or channel):
+        raise UserError("--interface and --channel: not with --sim, whose joints are in this process")
     data, can = load_can_robot(robot)
     if simulated and benches:
         from ...sim.motor.bench_port import BenchPort

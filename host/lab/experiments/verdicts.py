@@ -34,7 +34,7 @@ def share(least: float | None, ok: Callable[[Answer], bool] = lambda answer: ans
             middle = median([x for answer in good if (x := answer.figures[key]) is not None] or [math.inf])
             met = met and middle <= most
             name, unit = TOLD[key]
-            told += f", {name} {middle:.3g}{unit}"
+            told += f", {name} {middle:.3g}{unit}" if middle < math.inf else f", no {name}"
         return None if least is None else met, told
 
     return judge
@@ -54,9 +54,9 @@ def within(least: float = 1.0, judged: bool = True, **limits: tuple[float, float
         walks = [answer for series in answers.values() for answer in series]
         parts = [f"{sum(map(good, walks))}/{len(walks)}"]
         for key in limits:
-            values = [figure(answer, key) for answer in walks]
+            known = [value for answer in walks if (value := figure(answer, key)) < math.inf]
             name, unit = TOLD[key]
-            parts.append(f"{name} {min(values):.3g} .. {max(values):.3g}{unit}")
+            parts.append(f"{name} {min(known):.3g} .. {max(known):.3g}{unit}" if known else f"no {name}")
         return (sum(map(good, walks)) >= least * len(walks)) if judged else None, ", ".join(parts)
 
     return judge

@@ -15,7 +15,7 @@ from host.boards.build.source import BuildError, read_modules
 from host.boards.build.typed import typed_modules
 from host.boards.runtimes import Compiled, CPython
 from host.lab.parity.check import examine, failures, first_difference
-from host.util.errors import UserError
+from host.util.errors import NOT_ACHIEVED, UserError
 
 from .conftest import VECTORS
 from .plant import plant
@@ -158,8 +158,9 @@ def test_a_compiler_that_fails_leaves_nothing_behind(tmp_path, monkeypatch):
     compiler.chmod(0o755)
     monkeypatch.setenv("CC", str(compiler))
     monkeypatch.setattr(native_core, "_is_compiled", lambda module: module.name == "shared.num.fixed")
-    with pytest.raises(UserError, match=r"compiling the core failed: .*error"):
+    with pytest.raises(UserError, match=r"compiling the core failed: .*error") as told:
         native_core.build_core(tmp_path / "home" / "core")
+    assert told.value.exit_code == NOT_ACHIEVED
     assert list((tmp_path / "home").iterdir()) == []
 
 

@@ -55,6 +55,7 @@ def test_what_is_done_is_said(joints, words, said):
         ("set-id 0x27b2d3d6 5 --sim", "node 5 is taken"),
         ("params set 5 gear_q8 900 --sim", "gear_q8: 900: allowed 1 to 63"),
         ("params get 5 nonsense --sim", "no such parameter; caramelo joints params get NODE lists them"),
+        ("scan --sim --channel can0", "--interface and --channel: not with --sim"),
         ("monitor --sim --plot smell", "--plot smell: allowed"),
         ("sim --robot caramelo --seconds 0.1", "no joints on CAN"),
     ],

@@ -13,6 +13,7 @@ from host.cli import main
 from host.robot.file import load_robot
 from host.sim.motor.bench import Bench
 from host.sim.motor.model import Load
+from host.util.errors import UserError
 from shared.joint.commission_state import (
     COMMISSION_FULL,
     COMMISSION_VERIFY,
@@ -193,6 +194,19 @@ def test_a_folder_that_takes_no_file_is_told_before_anything_moves(capsys, tmp_p
     monkeypatch.setattr(os, "access", lambda path, mode: path != tmp_path)
     assert main(["joints", "commission", "5", "--sim", "--out", str(tmp_path / "measured.toml")]) == 2
     assert f"you may not write to {tmp_path}" in capsys.readouterr().err
+
+
+def test_no_robot_file_comes_of_joints_of_which_one_failed(capsys, tmp_path, monkeypatch):
+    def fails(*_):
+        raise UserError("joint 5: it does not turn")
+
+    monkeypatch.setattr("host.commands.joints.commission._one", fails)
+    out = tmp_path / "measured.toml"
+    assert main(["joints", "commission", "5", "--sim", "--out", str(out)]) == 1
+    told = capsys.readouterr()
+    assert "joint 5: it does not turn" in told.err
+    assert told.out == f"0 of 1 joints commissioned; {out} is written once all of them are\n"
+    assert not out.exists()
 
 
 def ripple(bench):
