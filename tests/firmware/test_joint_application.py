@@ -1,6 +1,5 @@
-"""The joint's application over its bus: sessions, set-points, requests, status, storage, faults, random frames."""
+"""The joint's application over its bus: sessions, set-points, requests, status, storage, faults."""
 
-import random
 from array import array
 
 import pytest
@@ -14,7 +13,6 @@ from host.protocol import parameters
 from host.robot.file import load_robot
 from host.sim.motor.bench import SESSION, Bench
 from shared.joint import faults as f
-from shared.joint import layout as j
 from shared.record import pack, unpack
 from shared.wire import codec
 from shared.wire import names as w
@@ -422,46 +420,3 @@ def test_parameters_that_are_broken_are_told_though_the_joint_was_not_ready_yet(
     bench.joint.control.raise_fault(f.FAULT_STORAGE, 0)
     bench.run(60)
     assert (bench.state.drive_state, bench.state.fault_code) == (w.STATE_FAULT, f.FAULT_STORAGE)
-
-
-def test_random_frames_resets_and_sensor_faults_never_give_torque_outside_operation_enabled():
-    chance, bench = random.Random(5), Bench(BLDC)
-    control, enabled, given = bench.joint.control, 0, 0
-    torque_states = (w.STATE_OPERATION_ENABLED, w.STATE_QUICK_STOP_ACTIVE, w.STATE_FAULT_REACTION)
-    for number in range(10_000):
-        _disturb(bench, chance, number)
-        given += 1
-        if number % 4 == 0:
-            bench.run(1)
-            assert not bench.board.bridge or bench.state.drive_state in torque_states
-            driving = bench.state.torque == j.TORQUE_DRIVE
-            assert not driving or bench.state.drive_state == w.STATE_OPERATION_ENABLED
-            assert control.run.failed_part == 0
-            enabled += bench.state.drive_state == w.STATE_OPERATION_ENABLED
-            frames(bench.board)
-    assert given == 10_000
-    assert enabled > 100  # it was armed often enough for the check to mean something
-
-
-def _disturb(bench, chance, number):
-    """Any frame; now and then a fault comes or goes, or a host tries to do everything right."""
-    kind = chance.randrange(40)
-    bench.wrong.rotor_lost = kind == 0
-    bench.wrong.thermistor = "open" if kind == 1 else ""
-    if number % 1500 == 700:
-        bench.joint.control.start()
-        bench.joint.control.run.ready = 1
-    if number % 200 == 0:
-        bench.run(30)
-        bench.request(w.COMMAND_CLEAR_FAULT)
-        bench.request(w.COMMAND_HOME, 0)
-        bench.run(2)
-        bench.mode, bench.goal = w.MODE_CURRENT, 0.1
-        bench.run(15)
-        bench.request(w.COMMAND_ARM, value=w.PROTOCOL_HASH)
-    elif kind > 3:
-        identifier = chance.choice((0x80, 0x100, 0x102, 0x104, 0x106, 0x380, 0x381, chance.randrange(1, 0x800)))
-        words = array("H", [chance.randrange(65536) for _ in range(4)])
-        if identifier in (w.SERVICE_REQUEST_ID, w.SERVICE_REQUEST_ID + 1) and words[0] & 0xFF in (2, 13, 14):
-            return  # a new node would end the test's own conversation
-        bench.board.deliver(identifier, words, chance.randrange(9))

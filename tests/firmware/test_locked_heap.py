@@ -117,7 +117,7 @@ def test_the_joints_is_a_storm_without_wrong_torque_and_exceptions():
     assert (wrong_torque, exceptions) == (0, 0)
 
 
-@pytest.mark.parametrize("runtime", [Wasi(), Unix("viper"), Unix("native")], ids=lambda runtime: runtime.name)
+@pytest.mark.parametrize("runtime", [Wasi(), Unix("viper")], ids=lambda runtime: runtime.name)
 @pytest.mark.parametrize("role", RUNS)
 def test_a_vm_does_the_same_and_allocates_nothing(role, runtime, tmp_path):
     assert ran(role, runtime, tmp_path) == reference(role)

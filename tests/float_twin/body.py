@@ -1,4 +1,4 @@
-"""Paper A's body (eqs 7-10) with matrices: feet that stay where they are under a body that moves.
+"""Paper A's body (eqs 7-9) with matrices: feet that stay where they are under a body that moves.
 
 A pose is (x, y, z, roll, pitch, yaw), m and rad, R = Rx(roll) Ry(pitch) Rz(yaw): intrinsic x-y'-z''.
 """
@@ -30,10 +30,3 @@ def from_base(pose, point_m, hip_m):
     r = rotation(pose)
     away = [point_m[i] - pose[i] for i in range(3)]
     return [sum([r[k][i] * away[k] for k in range(3)]) - hip_m[i] for i in range(3)]
-
-
-def to_base(pose, point_m, hip_m):
-    """Return a point seen from a hip of the posed body in the base frame: c + R (h + p) (eq 10)."""
-    r = rotation(pose)
-    inside = [hip_m[i] + point_m[i] for i in range(3)]
-    return [pose[i] + sum([r[i][k] * inside[k] for k in range(3)]) for i in range(3)]

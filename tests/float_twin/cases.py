@@ -70,7 +70,7 @@ CASES = [
     ("pid.pid_step", lambda: (Pid(*GAINS).step, (0.1, 0.05, ERROR_MAX_RAD))),
     ("balance.balance_step", lambda: (Balance(GAINS).step, ((0.1, 0.05), (0.02, 0.01)))),
     ("attitude.attitude_step", filtering),
-    ("joint_current.current_step", current_loop),
+    ("joint.current_step", current_loop),
 ]
 for _at, (_name, _mover, _) in enumerate(GAITS):
     if _mover == MOVER_TABLE:  # the float planner knows no other

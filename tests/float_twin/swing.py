@@ -27,9 +27,3 @@ def advance(phase):
 def lift(phase):
     """Return the share of the height at t / T (eq 13)."""
     return (1 - math.cos(2 * math.pi * limit(phase, 0.0, 1.0))) / 2
-
-
-def foot(phase, start_m, end_m, height_m):
-    """Return the foot at t / T: eq 13 with the rise to the target's height that the paper leaves out."""
-    x, y, z = [a + (b - a) * advance(phase) for a, b in zip(start_m, end_m)]
-    return x, y, z + height_m * lift(phase)

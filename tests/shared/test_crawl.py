@@ -1,7 +1,6 @@
 """The crawl in the planner: when it begins and ends, that goals never jump; and its parts against plain formulas."""
 
 import math
-import random
 
 import pytest
 from hypothesis import given
@@ -10,25 +9,17 @@ from hypothesis import strategies as st
 from host.control.planner import Driver
 from host.robot.file import load_robot
 from host.robot.plane import planar_robot
-from shared.body.params import FL
 from shared.crawl import state as at
-from shared.crawl.crawl import recentre_map
-from shared.crawl.footholds import MOST_FOOTHOLDS, foothold_add, foothold_drop
 from shared.crawl.ground import TROT_LANDINGS
-from shared.crawl.map import fit_body
-from shared.crawl.state import Crawl, Footholds, Map
 from shared.crawl.swing import brake_speed
 from shared.gait.table import MOVER_TABLE
 from shared.num.filters import fraction, quintic_q15
 from shared.planner import status as n
 from shared.planner.handover import REASON_COMMAND, REASON_EVEN, REASON_HELD
-from shared.record import pack, unpack
-from shared.sense.legs import Sensing
 from sim2d import terrain
 from sim2d.run import simulate
 
 from .bars import integers, repeatable
-from .robots import block
 from .walker import BACK, OFF, ON, Walker, phase
 
 
@@ -53,86 +44,6 @@ def test_brake_speed_stops_within_the_way(brake, way):
     exact = 16 * math.sqrt(brake * way)
     assert brake_speed(brake, way) <= exact
     assert brake_speed(brake, way) >= min(exact, 16 * math.sqrt((1 << 30) - 1 - brake - way)) - 17
-
-
-def standing(x_lu, y_lu, heading_rad):
-    """Return a crawl whose feet stand in a map, and what they look like from a body at (x, y) with a heading."""
-    crawl, sensing = Crawl(block("caramelo")), Sensing()
-    dice = random.Random(4)
-    for leg in range(4):
-        x = (1 - leg // 2 * 2) * 15000 + dice.randint(-3000, 3000)
-        foot = x, (leg % 2 * 2 - 1) * 15000, dice.randint(-500, 500)
-        unpack(crawl.map.feet[leg], [value << 8 for value in foot])
-        dx, dy = foot[0] - x_lu, foot[1] - y_lu
-        cosine, sine = math.cos(heading_rad), math.sin(heading_rad)
-        seen = dx * cosine + dy * sine, dy * cosine - dx * sine, foot[2] - 24000
-        unpack(sensing.level[leg], [round(value) for value in seen])
-        crawl.support.stance[leg], crawl.support.share_q12[leg] = 1, 4096
-    return crawl, sensing
-
-
-@repeatable(100)
-@given(integers(-3000, 3000), integers(-3000, 3000), st.floats(-0.3, 0.3))
-def test_the_body_is_found_among_its_feet(x_lu, y_lu, heading_rad):
-    crawl, sensing = standing(x_lu, y_lu, heading_rad)
-    for _ in range(2):
-        fit_body(crawl, sensing)
-    x, y, z, _, _, yaw = pack(crawl.map.body_pose)
-    assert abs(yaw / (1 << 24) * 2 * math.pi - heading_rad) < 3e-4
-    assert math.dist((x / 256, y / 256, z / 256), (x_lu, y_lu, 24000)) < 8
-
-
-def test_a_foot_in_the_air_does_not_move_the_body():
-    crawl, sensing = standing(100, -50, 0.05)
-    fit_body(crawl, sensing)
-    before = pack(crawl.map.body_pose)
-    crawl.support.stance[0] = 0
-    for axis in range(3):
-        sensing.level[0][axis] += 3000
-    fit_body(crawl, sensing)
-    moved = [abs(a - b) for a, b in zip(before, pack(crawl.map.body_pose), strict=True)]
-    assert max(moved[:3]) <= 8 * 256
-
-
-def places(crawl):
-    """Return the places of a crawl as seen from its body."""
-    body, path, swing = crawl.map.body_pose, crawl.path, crawl.swing
-    points = crawl.map.feet + crawl.map.measured + crawl.footholds.sides[0].places + crawl.footholds.sides[1].places
-    found = [value for point in points for value in pack(point)]
-    found += [pose[axis] for pose in (path.wanted, path.from_pose, path.to_pose) for axis in range(3)]
-    found += [*pack(swing.place), *pack(swing.target)]
-    found = [value - body[at % 3] for at, value in enumerate(found)]
-    found += [swing.departure[axis] - body[axis] for axis in range(2)] + [swing.ground - body.z, swing.apex - body.z]
-    return found + [x - body.x for x in crawl.contact.past_x]
-
-
-def test_the_map_is_moved_exactly():
-    """After it nothing has changed but the origin: every place lies where it did from the body."""
-    crawl, dice = Crawl(block("caramelo")), random.Random(7)
-    queues = [place for queue in crawl.footholds.sides for place in queue.places]
-    for queue in crawl.footholds.sides:
-        queue.waiting = MOST_FOOTHOLDS
-    for values in (*crawl.map.feet, *crawl.map.measured, *queues, crawl.path.wanted, crawl.path.to_pose,
-                   crawl.swing.place, crawl.swing.target, crawl.swing.departure, crawl.contact.past_x):
-        unpack(values, [dice.randint(-(1 << 22), 1 << 22) for _ in pack(values)])
-    crawl.map.body_pose.x = (crawl.params.leg_length << 7) + 12345
-    crawl.swing.ground = crawl.swing.place.z - 777
-    away = places(crawl)
-    assert recentre_map(crawl) == 1
-    assert places(crawl) == away
-    assert crawl.map.body_pose.x == 0
-    assert recentre_map(crawl) == 0
-
-
-def test_footholds_come_out_in_the_order_they_went_in():
-    map, footholds = Map(), Footholds()
-    for step in range(MOST_FOOTHOLDS + 2):
-        map.feet[FL].x = step
-        assert foothold_add(map, footholds, 1) == min(step + 1, MOST_FOOTHOLDS)
-    for step in range(2, MOST_FOOTHOLDS + 2):
-        assert footholds.sides[1].places[0].x == step
-        foothold_drop(footholds, 1)
-    assert footholds.sides[1].waiting == 0
 
 
 def test_the_crawl_begins_when_commanded_and_tells_why():

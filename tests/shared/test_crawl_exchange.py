@@ -278,14 +278,14 @@ def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
         speed, done = back.step(moved * robot.unit_m / 256, standing)
         assert retreat.retreat_step(params, command, moved, standing, state, told) == int(done)
         if doubt.count:
-            back.stopping = bool(state.stopping)
+            back.ends = bool(state.stopping)
         assert told.speed.vx * robot.unit_m / 256 == pytest.approx(speed, abs=1.1 * robot.unit_m / 256)
         assert (told.speed.vy, told.speed.wz) == (0, 0)
         assert told.gait == command.gait
         assert pack(told)[5:] == pack(command)[5:]  # pose, balance, height
         if done:
             return
-    assert stuck or not back.stopping
+    assert stuck or not back.ends
 
 
 @repeatable(60)

@@ -9,7 +9,6 @@ from statistics import median_high
 import pytest
 
 from shared.body import compliance, load, stability
-from shared.body.axes import Spot
 from shared.body.feet import Feet
 from shared.body.params import Params
 from shared.record import copy, pack, unpack
@@ -185,24 +184,3 @@ def test_margin_of_one_foot_and_of_none():
     feet = unpack(Feet(), [3000, 4000, 0] * 4)
     assert stability.support_margin(feet, array("i", [0] * 4), 0, 0) == stability.NO_SUPPORT
     assert stability.support_margin(feet, array("i", [1, 0, 0, 0]), 0, 0) == -5000
-
-
-def test_a_point_is_moved_inside_by_the_margin_and_not_much_farther_than_needed():
-    dice, params = random.Random(12), BLOCKS["caramelo"]
-    for lifted in range(4):
-        weights = array("i", [int(leg != lifted) for leg in range(4)])
-        order = [leg for leg in AROUND if leg != lifted]
-        for _ in range(60):
-            feet = feet_near_rest(params, dice)
-            start = [dice.randint(-6000, 6000) for _ in range(2)]
-            point = unpack(Spot(), start)
-            stability.point_inside(feet, weights, 2600, point)
-            corners = [(feet.legs[leg].x, feet.legs[leg].y) for leg in order]
-            assert twin.margin(corners, pack(point)) >= 2600 - 60
-            best = min(
-                math.dist(start, (x, y))
-                for x in range(-12000, 12001, 400)
-                for y in range(-12000, 12001, 400)
-                if twin.margin(corners, (x, y)) >= 2600
-            )
-            assert math.dist(start, point) <= 1.6 * best + 600

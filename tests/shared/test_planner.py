@@ -5,8 +5,6 @@ import random
 from itertools import pairwise
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 from host.lab.parity.probe.row import Row
 from shared.body.reach import INSIDE_HIP, TOO_FAR, TOO_NEAR
@@ -14,10 +12,9 @@ from shared.gait import steps as s
 from shared.planner import command as c
 from shared.planner import status as n
 from shared.record import pack, unpack
-from shared.sense.sensed import Sensed
 from tests.float_twin.gait import Gait
 
-from .bars import WORD, any_word, repeatable
+from .bars import any_word
 from .walker import NAMES, TABLES, Walker
 
 # Walked by footholds in planner.steps; the trot is held to its own: tests/shared/trot/test_mover.py.
@@ -285,11 +282,6 @@ def test_the_jump_test_sees_a_planted_jump():
     assert max(math.dist(a, b) for a, b in zip(before, walker.feet_m(), strict=True)) > foot_step_limit_m(walker)
 
 
-def words(count):
-    """Return lists of so many words."""
-    return st.lists(WORD, min_size=count, max_size=count)
-
-
 def drive(walker, ticks, seed):
     """Feed any words into both blocks; joints stay within limits while the gait drives them. Returns the states."""
     dice, states = random.Random(seed), set()
@@ -318,34 +310,6 @@ def test_any_words_in_command_and_senses_are_survived(name):
     assert states >= {n.LIMP, n.RISING, n.STANDING, n.WALKING}
 
 
-@repeatable(60)
-@given(words(c.COMMAND_SIZE), words(len(Sensed().pack())))
-def test_one_tick_of_any_words_in_any_state(told, felt):
-    command, sensed = c.Command(), Sensed()
-    unpack(command, told)
-    sensed.unpack(felt)
-    for state in range(6):
-        walker = STATES[state]
-        kept = [pack(block) for block in every_block(walker.planner)]
-        gait = walker.planner.gait
-        walker.planner.tick(command, sensed)
-        for block, old in zip(every_block(walker.planner), kept, strict=True):
-            unpack(block, old)
-        walker.planner.gait = gait
-
-
-def every_block(planner):
-    """Return all records and arrays of a planner that a tick may change."""
-    names = "top_speed status clock speed pose balanced_pose rotation steps move feet hip_feet reached goal joints"
-    names += " leg_flags joints_history tilt_history"
-    balance, sensed = planner.balance, planner.sensed
-    inner = [balance.roll, balance.pitch, balance.correction, sensed.valid, sensed.tilt, sensed.joints, sensed.turned]
-    return [getattr(planner, name) for name in names.split()] + inner
-
-
-STATES = [in_state(state) for state in range(7)]
-
-
 def test_unknown_modes_and_gaits_are_reported_and_replaced():
     walker = in_state(n.WALKING)
     gait = walker.planner.status.gait
@@ -372,19 +336,6 @@ def test_balance_without_attitude_is_reported_and_fades():
     assert 0 < walker.planner.balanced_pose.roll - before <= walker.params.pose_slew.roll
     walker.ticks(200)
     assert walker.planner.balanced_pose.roll == 0
-
-
-def test_the_body_pose_is_limited_and_slewed():
-    walker = in_state(n.STANDING)
-    unpack(walker.command.pose, ((1 << 30) - 1, -(1 << 30), 3, 1 << 29, -9, 77))
-    last = pack(walker.planner.pose)
-    for _ in range(300):
-        walker.tick()
-        for axis in range(6):
-            assert abs(walker.planner.pose[axis] - last[axis]) <= walker.params.pose_slew[axis]
-        last = pack(walker.planner.pose)
-    top = walker.params.pose_max
-    assert last == [top.x, -top.y, 3, top.roll, -9, 77]
 
 
 def test_an_unreachable_stance_is_flagged_and_held_at_the_limits():

@@ -54,6 +54,7 @@ class Pair:
         self.twin.tick(self.command_si(), self.sensed_si())
         self.walker.tick()
         self.agree_on_reach()
+        assert self.walker.swinging() == sum(1 << leg for leg in range(4) if self.twin.in_air[leg])
         feet = max(math.dist(a, b) for a, b in zip(self.walker.feet_m(), self.twin.planned, strict=True))
         joints = max(abs(rad(a) - b) for a, b in zip(self.walker.planner.joints, self.twin.joints, strict=True))
         return feet, joints

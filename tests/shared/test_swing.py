@@ -66,9 +66,3 @@ def test_ends_are_exact_and_have_no_slope():
 def test_the_way_forward_never_goes_back_by_more_than_one_lsb():
     ways = [cycloid_q15(phase) for phase in range(65537)]
     assert all(b >= a - 1 for a, b in pairwise(ways))
-
-
-def test_twin_reaches_the_targets_height():
-    """Eq 13 as printed comes down to z_0; the foot must come down to z_f."""
-    assert twin.foot(1.0, (0, 0, 0.0), (0.05, 0, 0.03), 0.05) == pytest.approx((0.05, 0, 0.03))
-    assert twin.foot(0.5, (0, 0, 0.0), (0.05, 0, 0.03), 0.05) == pytest.approx((0.025, 0, 0.065))

@@ -68,10 +68,7 @@ def fuel(sources: Path, work: Path) -> dict[str, int]:
         rows = runtime.ask(tree, _measure("fuel", module, VECTORS))["rows"]
         marks = iter(runtime.marks)
         for name, vectors, turns in rows:
-            burnt = 0
-            for _ in range(vectors):
-                start, empty, full = next(marks), next(marks), next(marks)
-                burnt += (full - empty) - (empty - start)
+            burnt = sum(_between(next(marks), next(marks), next(marks)) for _ in range(vectors))
             found[f"{module}.{name}"] = round(burnt / turns / vectors)
     return found
 
@@ -89,13 +86,14 @@ def instructions(runtime: CortexM, sources: Path, work: Path) -> dict[str, int]:
         for name, vectors in rows:
             calls = []
             for _ in range(vectors):
-                four, eight = (_between(*(next(marks) for _ in range(3))) for _ in range(2))
+                four, eight = (_between(next(marks), next(marks), next(marks)) for _ in range(2))
                 calls.append((eight - four) // 4)
             found[f"{module}.{name}"] = max(calls)
     return found
 
 
 def _between(start: int, empty: int, full: int) -> int:
+    """Return what calls cost by the marks before an empty loop, behind it, and behind the loop of calls."""
     return (full - empty) - (empty - start)
 
 

@@ -51,9 +51,9 @@ def ended(p):
 
 
 @functools.cache
-def by_phase(commissioned):
+def by_phase():
     """Return a plain joint as it came to each phase of being commissioned: one run that many begin from."""
-    p = begun(Plant(commissioned=commissioned), FULL)
+    p = begun(Plant(commissioned=False), FULL)
     found = {}
     while p.commission.phase:
         if p.commission.phase not in found:
@@ -62,9 +62,9 @@ def by_phase(commissioned):
     return found
 
 
-def come_to(phase, commissioned=True):
+def come_to(phase):
     """Return a plain joint that has just come to a phase of being commissioned."""
-    return copy.deepcopy(by_phase(commissioned)[phase])
+    return copy.deepcopy(by_phase()[phase])
 
 
 def offset_error(p, true):
@@ -77,7 +77,10 @@ def test_it_finds_everything(offset, direction, sign):
     p.settings.pole_pairs, p.settings.bemf, p.settings.omega_l = 11, 1, 1
     p.loop.kp, p.loop.ki = 400, 60
     p.settings.velocity_p, p.settings.velocity_i, p.settings.inertia, p.settings.accel = 100, 50, 30, 9000
-    finished(p)
+    pose_rad, began_rad = 0.25, p.joint_rad()
+    begun(p, FULL)
+    p.commission.pose_given, p.commission.pose = 1, round(pose_rad / p.units.rad_per_rc)
+    ended(p)
     wanted = Plant().blocks
     assert p.state.fault_code == 0
     assert (p.settings.commissioned, p.settings.direction, p.settings.pole_pairs) == (1, direction, 7)
@@ -93,6 +96,18 @@ def test_it_finds_everything(offset, direction, sign):
     ampere = p.friction / p.bldc.motor.torque_constant_Nm_A
     assert p.commission.coulomb / 16 * p.units.ampere_per_cu == pytest.approx(ampere, rel=0.05)
     assert p.commission.backlash / 16 < 2  # rc: this motor has none
+    home_elsewhere(p)
+    assert p.state.position * p.units.rad_per_rc == pytest.approx(
+        pose_rad + sign * (p.joint_rad() - began_rad), abs=3e-4
+    )
+
+
+def home_elsewhere(p):
+    """Home the joint, turned by hand to another place: by the zeros of both its encoders."""
+    p.angle += 0.15 * p.units.gear
+    p.read_slow()
+    p.state.fraction = p.rotor()
+    assert home_by_encoder(p.settings, p.state, p.io) == 1
 
 
 def test_to_verify_moves_the_joint_by_at_most_an_electrical_turn_and_changes_nothing():
@@ -110,19 +125,6 @@ def test_to_verify_moves_the_joint_by_at_most_an_electrical_turn_and_changes_not
     assert (p.state.fault_code, p.state.drive_state) == (0, w.STATE_SWITCH_ON_DISABLED)
     assert (pack(p.settings), (p.loop.kp, p.loop.ki)) == (before, gains)
     assert math.degrees(max(far)) < 360 / 7 / 22 * 1.2
-
-
-def test_the_pose_sets_both_zeros():
-    pose = 0.25
-    p = begun(Plant(elec_offset_brad=900, commissioned=False), FULL)
-    p.commission.pose_given, p.commission.pose = 1, round(pose / p.units.rad_per_rc)
-    ended(p)
-    zero_rad = 0.3 / 22 - pose  # the plant starts at 0.3 rad of the rotor
-    p.angle = (zero_rad + 0.4) * 22
-    p.read_slow()
-    p.state.fraction = p.rotor()
-    assert home_by_encoder(p.settings, p.state, p.io) == 1
-    assert p.state.position * p.units.rad_per_rc == pytest.approx(0.4, abs=3e-4)
 
 
 @pytest.mark.parametrize(
@@ -239,7 +241,7 @@ def test_a_joint_encoder_that_does_not_follow_is_refused():
 def test_it_can_be_stopped_in_every_phase_and_leaves_all_as_it_was(phase):
     p = come_to(phase)
     assert p.commission.phase == phase
-    before = Plant()
+    before = Plant(commissioned=False)
     p.run(20, setpoint=False)
     drive_disarm(p.state)
     p.tick(setpoint=False)
@@ -313,7 +315,7 @@ def test_the_waves_of_the_cogging_are_found(direction):
 )
 def test_loops_that_are_not_what_was_found_are_named(phase, part, factor, code):
     before = pack(Plant(commissioned=False).settings)
-    p = come_to(phase, commissioned=False)
+    p = come_to(phase)
     setattr(p, part, getattr(p, part) * factor)
     ended(p)
     assert p.state.fault_code == code
@@ -382,7 +384,7 @@ def test_it_can_be_stopped_while_a_field_holds_the_rotor(phase, how):
     while p.loop.electrical_gain:
         p.tick(setpoint=False)
     assert (p.commission.phase, p.loop.reference_d) == (phase, p.settings.commission_current)
-    before = pack(Plant().settings)
+    before = pack(Plant(commissioned=False).settings)
     if how == "disarmed":
         drive_disarm(p.state)
     elif how == "emergency stop":

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from host.robot import trot_tuning as tuning
 from host.robot.drives import friction_bands, joint_drives
 from sim2d.model import GRAVITY_M_S2 as G
+from tests.float_twin import leg as twin_leg
 
 LATER = (0, 1, 1, 0)  # half a cycle later than the diagonal FR RL
 TURN_MAX = 16383 / 2**18  # rad a tick
@@ -92,22 +93,17 @@ class FloatTrot:
         x, y = self.robot.hip_m(leg)
         return foot[0] + x, foot[1] + y, foot[2]
 
+    def links(self, leg):
+        hip_offset_m, thigh_m, calf_m = self.robot.geometry.links_m
+        return hip_offset_m * self.robot.side(leg), thigh_m, calf_m
+
     def forward(self, leg, q):
-        l1, l2, l3 = self.robot.geometry.links_m
-        l1 *= self.robot.side(leg)
-        x = -l2 * math.sin(q[1]) - l3 * math.sin(q[1] + q[2])
-        a = l2 * math.cos(q[1]) + l3 * math.cos(q[1] + q[2])
-        y, z = l1 * math.cos(q[0]) + a * math.sin(q[0]), l1 * math.sin(q[0]) - a * math.cos(q[0])
-        return self.at_hip(leg, (x, y, z))
+        return self.at_hip(leg, twin_leg.forward(q, *self.links(leg)))
 
     def inverse(self, leg, foot):
-        l1, l2, l3 = self.robot.geometry.links_m
-        hip, l1, knee = self.robot.hip_m(leg), l1 * self.robot.side(leg), self.robot.knee_sign(leg)
-        x, y, z = foot[0] - hip[0], foot[1] - hip[1], foot[2]
-        a = math.sqrt(max(1e-12, y * y + z * z - l1 * l1))
-        q3 = knee * math.acos(limit((x * x + a * a - l2 * l2 - l3 * l3) / (2 * l2 * l3), 1.0))
-        q1 = math.atan2(y * a + z * l1, y * l1 - z * a)
-        return [q1, -math.atan2(x, a) - math.atan2(l3 * math.sin(q3), l2 + l3 * math.cos(q3)), q3]
+        x, y = self.robot.hip_m(leg)
+        at = foot[0] - x, foot[1] - y, foot[2]
+        return list(twin_leg.inverse(at, *self.links(leg), self.robot.knee_sign(leg)))
 
     def sag(self, leg, q, foot):
         hip = self.robot.hip_m(leg)
