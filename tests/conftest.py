@@ -1,5 +1,6 @@
 """What tests of any folder use: the command, run in this process."""
 
+import json
 import os
 
 import pytest
@@ -23,5 +24,29 @@ def run(capsys):
         code = cli.main(arguments)
         out, err = capsys.readouterr()
         return code, out, err
+
+    return call
+
+
+@pytest.fixture
+def run_json(run):
+    """Run the command with --json; return exit code, the object that is the one line on stdout, and stderr."""
+
+    def call(*arguments):
+        code, out, err = run(*arguments, "--json")
+        assert out.count("\n") == 1, out
+        return code, json.loads(out), err
+
+    return call
+
+
+@pytest.fixture
+def refused(run):
+    """Run the command, which ends with this exit code and prints nothing but one line on stderr; return that line."""
+
+    def call(*arguments, code=2):
+        got, out, err = run(*arguments)
+        assert (got, out, err.count("\n")) == (code, "", 1), err
+        return err
 
     return call

@@ -72,11 +72,11 @@ def test_damage_never_breaks_the_reader(tmp_path, capsys, seed):
         assert is_one_line(2 if (err := capsys.readouterr().err) else 0, err), name
 
 
-def test_a_wrong_value_is_named(tmp_path, capsys):
+def test_a_wrong_value_is_named(tmp_path, refused):
     wrong = [*drive(2), ("/joints", {"wanted_rad": [0.0] * 11, "measured_rad": [0.0] * 12})]
     path = mcap(tmp_path / "x.mcap", wrong)
-    assert main(["log", "plot", str(path)]) == 2
-    assert capsys.readouterr().err == f"caramelo: {path}: message 3 of /joints: wanted_rad: allowed: 12 numbers\n"
+    line = refused("log", "plot", str(path))
+    assert line == f"caramelo: {path}: message 3 of /joints: wanted_rad: allowed: 12 numbers\n"
     assert os.listdir(tmp_path) == ["x.mcap"]
 
 
@@ -92,20 +92,20 @@ LONG = "x" * 300
         ([("/gps", {"x": 1}), ("/gps", b"?")], ["export", "csv"], "message 2 of /gps: not JSON"),
     ],
 )
-def test_what_can_not_be_shown_is_told_and_leaves_nothing(tmp_path, capsys, messages, command, words):
+def test_what_can_not_be_shown_is_told_and_leaves_nothing(tmp_path, refused, messages, command, words):
     path = mcap(tmp_path / "x.mcap", messages)
-    assert main(["log", *command, str(path)]) == 2
-    assert words in capsys.readouterr().err
+    assert words in refused("log", *command, str(path))
     assert os.listdir(tmp_path) == ["x.mcap"]
 
 
-def test_foreign_files_are_named_and_their_compression_is(tmp_path, capsys):
+def test_foreign_files_are_named_and_their_compression_is(tmp_path, run, refused):
     path = mcap(tmp_path / "x.mcap", [("/gps", {"x": 1})], about=None)
-    assert main(["log", "info", str(path)]) == 0
-    assert capsys.readouterr().out.startswith(f"{path}: 0.0 s\n")
+    code, out, _ = run("log", "info", str(path))
+    assert code == 0
+    assert out.startswith(f"{path}: 0.0 s\n")
     path = mcap(tmp_path / "y.mcap", [("/gps", {"x": 1})], about=None, compression=CompressionType.LZ4)
-    assert main(["log", "info", str(path)]) == 2
-    assert f"{path}: not a record (a chunk is compressed with lz4, not with zstd): allowed" in capsys.readouterr().err
+    told = f"{path}: not a record (a chunk is compressed with lz4, not with zstd): allowed"
+    assert told in refused("log", "info", str(path))
 
 
 def test_a_topic_leads_nowhere_else(tmp_path, capsys):
@@ -129,27 +129,25 @@ def test_only_what_is_wanted_is_kept(tmp_path):
     (["export", "csv"], "names no record: use caramelo log export csv FILE, such as caramelo log export"),
     (["plot", "x.mcap", "--out", "x.mcap"], "--out x.mcap: give a name that ends in .png"),
 ])  # fmt: skip
-def test_wrong_use_is_told_with_an_example(capsys, arguments, words):
-    assert main(["log", *arguments]) == 2
-    assert words in capsys.readouterr().err
+def test_wrong_use_is_told_with_an_example(refused, arguments, words):
+    assert words in refused("log", *arguments)
 
 
 @pytest.mark.parametrize("command", [["info"], ["export", "csv"]])
-def test_a_pipe_is_refused_before_it_is_read(tmp_path, capsys, command):
+def test_a_pipe_is_refused_before_it_is_read(tmp_path, refused, command):
     reader, writer = os.pipe()
     os.write(writer, mcap(tmp_path / "x.mcap", drive(1)).read_bytes())
     os.close(writer)
     path = f"/dev/fd/{reader}"
-    assert main(["log", *command, path]) == 2
+    line = refused("log", *command, path)
     os.close(reader)
-    assert capsys.readouterr().err == f"caramelo: {path}: is a pipe: write the record into a file first\n"
+    assert line == f"caramelo: {path}: is a pipe: write the record into a file first\n"
 
 
-def test_a_picture_never_replaces_its_record(tmp_path, capsys):
+def test_a_picture_never_replaces_its_record(tmp_path, refused):
     path = mcap(tmp_path / "x.png", drive(2))
     before = path.read_bytes()
-    assert main(["log", "plot", str(path)]) == 2
-    assert "is the record itself" in capsys.readouterr().err
+    assert "is the record itself" in refused("log", "plot", str(path))
     assert path.read_bytes() == before
 
 
