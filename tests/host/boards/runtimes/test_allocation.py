@@ -6,7 +6,6 @@ from host.boards.runtimes import Unix, Wasi
 from host.lab.parity.figures import allocations
 from tests.marks import NEEDS_UNIX
 
-from .frames import LARGEST_ON_STACK, deepest_frames, own_frames
 from .plant import plant
 
 
@@ -14,18 +13,6 @@ def test_nothing_of_a_tick_takes_memory_in_bytecode(bytecode, bound):
     ticks = {name: row for name, row in bytecode.items() if bound[name].ticks}
     assert len(ticks) > 100
     assert [name for name, row in ticks.items() if row.kept or not row.locked] == []
-
-
-@NEEDS_UNIX
-def test_only_frames_of_more_than_11_words_come_from_the_heap(bytecode, bound, sources, tmp_path):
-    """And go back to it: mem_total counts them, nothing else. Small functions move it by 0."""
-    frames = own_frames(sources, tmp_path)
-    deepest = deepest_frames(sources, frames)
-    by_name = {path.removeprefix("shared/").replace("/", ".").replace(".py:", "."): n for path, n in deepest.items()}
-    ticks = {name: row for name, row in bytecode.items() if bound[name].ticks and bound[name].name in by_name}
-    unexplained = [n for n, row in ticks.items() if row.total and by_name[bound[n].name] <= LARGEST_ON_STACK]
-    assert unexplained == []
-    assert sum(row.total == 0 for row in ticks.values()) > 50
 
 
 def takers(found, bound):
