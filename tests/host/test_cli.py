@@ -23,7 +23,7 @@ from host.util.errors import UserError
 from host.util.extras import EXTRA_OF
 from host.util.files import atomic_path, check_folder, write_bytes, write_text
 from tests import ROOT
-from tests.interrupts import hear_signals
+from tests.processes import hear_signals
 from tests.waiting import PATIENCE_S
 
 CARAMELO = Path(sys.executable).parent / "caramelo"

@@ -23,8 +23,7 @@ from host.robot.file import load_robot
 from host.robot.trot_tuning import GAIT
 from host.sim.walk import WalkSpec
 from tests import ROOT
-from tests.children import children_of
-from tests.interrupts import hear_signals
+from tests.processes import children_of, hear_signals
 from tests.shared.robots import with_trunk_at
 from tests.waiting import PATIENCE_S, wait_until
 

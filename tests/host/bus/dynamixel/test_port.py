@@ -26,7 +26,7 @@ from host.sim.servos.packets import framing
 from host.sim.servos.process import Emulator
 from host.util.errors import UserError
 from tests import ROOT
-from tests.host.teleop.hanging import child_of
+from tests.processes import child_of
 from tests.waiting import PATIENCE_S, wait_until
 
 from .rig import CARAMELO, PERIOD_S

@@ -8,7 +8,7 @@ import pytest
 
 from host.lab.workers.work import Here, workers
 from host.util.errors import UserError
-from tests.children import children_of
+from tests.processes import children_of
 from tests.waiting import wait_until
 
 ADDRESS = "tcp://127.0.0.1:8786"
