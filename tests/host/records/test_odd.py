@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 from mcap.writer import CompressionType
 
-from host.cli import main
 from host.records import plot
 from host.records.reader import Record, messages, read_record
 
 from .odd import damaged, drive, mcap, odd_values, whole_files
 
-COMMANDS = {"info": ["info"], "info --json": ["info", "--json"], "replay": ["replay"], "csv": ["export", "csv"]}
+CSV, PLOT = "export csv", "plot"
+COMMANDS = ("info", "info --json", "replay", CSV)
+OUT = {CSV: "out/csv", PLOT: "out/x.png"}
 
 
 def is_one_line(code, err):
@@ -23,53 +24,50 @@ def is_one_line(code, err):
     return len(lines) == (code == 2 or missing) and err.strip("\n").isprintable()
 
 
-def try_all(capsys, name, path, folder, commands):
+def try_all(run, name, path, folder, commands):
     """Run the commands on a file; nothing but results may appear in the folder, all or none."""
+    out = folder / "out"
     for command in commands:
-        out = folder / "out"
-        options = ["--out", str(out / "csv")] if command == "csv" else []
-        if command == "plot":
-            code = main(["log", "plot", str(path), "--out", str(out / "x.png")])
-        else:
-            code = main(["log", *COMMANDS[command], str(path), *options])
-        shown, err = capsys.readouterr()
+        options = ("--out", str(folder / OUT[command])) if command in OUT else ()
+        code, shown, err = run("log", *command.split(), str(path), *options)
         assert code in (0, 1, 2), (name, command)
         assert is_one_line(code, err), (name, command, err)
         assert all(line.isprintable() for line in shown.splitlines()), (name, command)
         made = [path for path in folder.rglob("*") if out in path.parents and path.is_file()]
         assert code == 0 or made == [], (name, command)
-        assert all(path.parent == (out / "csv" if command == "csv" else out) for path in made), (name, made)
+        assert all(path.parent == (out / "csv" if command == CSV else out) for path in made), (name, made)
         assert not any(path.name.startswith(".") for path in made)
         for path_made in made:
             path_made.unlink()
 
 
-def test_odd_files_are_read_or_refused_in_a_line(capsys, tmp_path):
+def test_odd_files_are_read_or_refused_in_a_line(run, tmp_path):
     (tmp_path / "in").mkdir()
     for name, path in whole_files(tmp_path / "in"):
-        try_all(capsys, name, path, tmp_path, COMMANDS)
+        try_all(run, name, path, tmp_path, COMMANDS)
     assert set(os.listdir(tmp_path)) <= {"in", "out"}, "a topic led elsewhere"
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_odd_values_are_read_or_refused_in_a_line(capsys, tmp_path, seed):
+def test_odd_values_are_read_or_refused_in_a_line(run, tmp_path, seed):
     (tmp_path / "in").mkdir()
     for name, path in odd_values(tmp_path / "in", seed, 40):
-        try_all(capsys, name, path, tmp_path, COMMANDS)
+        try_all(run, name, path, tmp_path, COMMANDS)
 
 
-def test_odd_records_are_drawn_or_refused_in_a_line(capsys, tmp_path):
+def test_odd_records_are_drawn_or_refused_in_a_line(run, tmp_path):
     """Some of each kind: a picture takes a second."""
     (tmp_path / "in").mkdir()
     for name, path in [*odd_values(tmp_path / "in", 9, 4), *list(whole_files(tmp_path / "in"))[::12]]:
-        try_all(capsys, name, path, tmp_path, ["plot"])
+        try_all(run, name, path, tmp_path, [PLOT])
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_damage_never_breaks_the_reader(tmp_path, capsys, seed):
+def test_damage_never_breaks_the_reader(tmp_path, run, seed):
     for name, path in damaged(tmp_path, seed, 120):
-        assert main(["log", "info", str(path)]) in (0, 2), name
-        assert is_one_line(2 if (err := capsys.readouterr().err) else 0, err), name
+        code, _, err = run("log", "info", str(path))
+        assert code in (0, 2), name
+        assert is_one_line(2 if err else 0, err), name
 
 
 def test_a_wrong_value_is_named(tmp_path, refused):
@@ -108,9 +106,9 @@ def test_foreign_files_are_named_and_their_compression_is(tmp_path, run, refused
     assert told in refused("log", "info", str(path))
 
 
-def test_a_topic_leads_nowhere_else(tmp_path, capsys):
+def test_a_topic_leads_nowhere_else(tmp_path, run):
     path = mcap(tmp_path / "x.mcap", [("/../X", {"x": 1}), ("/a/b", {"x": 1}), ("/load", {"load": [0.5] * 12})])
-    assert main(["log", "export", "csv", str(path), "--out", str(tmp_path / "deep" / "csv")]) == 0
+    assert run("log", "export", "csv", str(path), "--out", str(tmp_path / "deep" / "csv"))[0] == 0
     assert sorted(os.listdir(tmp_path / "deep" / "csv")) == ["%2E.%2FX.csv", "a%2Fb.csv", "load.csv"]
     assert sorted(os.listdir(tmp_path)) == ["deep", "x.mcap"]
 
@@ -151,11 +149,11 @@ def test_a_picture_never_replaces_its_record(tmp_path, refused):
     assert path.read_bytes() == before
 
 
-def test_a_picture_of_many_messages_takes_seconds(tmp_path):
+def test_a_picture_of_many_messages_takes_seconds(tmp_path, run):
     """It took a step for each pair of messages: 480 million of these 22 000, which are half a minute's work alone."""
     path = mcap(tmp_path / "x.mcap", drive(2000))
     began_s = time.process_time()
-    assert main(["log", "plot", str(path)]) == 0
+    assert run("log", "plot", str(path))[0] == 0
     assert time.process_time() - began_s < 15
 
 
