@@ -4,6 +4,7 @@ import pytest
 
 from host.boards.runtimes import Unix, Wasi
 from host.lab.parity.figures import allocations
+from host.lab.parity.table import rows_of
 from tests.marks import NEEDS_UNIX
 
 from .plant import plant
@@ -27,6 +28,14 @@ def test_viper_code_takes_no_byte_for_frames_either(viper, bound):
 @NEEDS_UNIX
 def test_native_code_takes_no_byte_for_frames_either(sources, tmp_path, bound):
     assert takers(allocations(Unix("native"), sources, tmp_path), bound) == {}
+
+
+@NEEDS_UNIX
+def test_every_function_of_a_tick_has_a_row_in_the_table_of_memory(largest, bound, bytecode, viper):
+    rows = rows_of(largest, bound, bytecode, viper)
+    assert {row.name for row in rows} == {name for name in largest if bound[name].ticks}
+    assert [row for row in rows if row.kept or row.viper] == []
+    assert all(row.bits <= 30 for row in rows)
 
 
 @pytest.mark.parametrize("gait", ["paper-trot", "trot", "crawl"])
