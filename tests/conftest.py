@@ -1,7 +1,8 @@
-"""What tests of any folder use: the command, run in this process."""
+"""What tests of any folder use: the command, run in this process, and a port at which nobody answers."""
 
 import json
 import os
+import pty
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -14,6 +15,15 @@ use_core()
 # How long an example takes, to run or to be drawn, says how busy the machine is.
 settings.register_profile("caramelo", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("caramelo")
+
+
+@pytest.fixture
+def silent_port():
+    """The path of a serial port at which nobody answers."""
+    ours, theirs = pty.openpty()
+    yield os.ttyname(theirs)
+    os.close(ours)
+    os.close(theirs)
 
 
 @pytest.fixture

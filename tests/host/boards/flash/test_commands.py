@@ -2,7 +2,6 @@
 
 import json
 import os
-import pty
 import random
 import threading
 import zipfile
@@ -61,23 +60,17 @@ def test_the_system_refuses_permission(tmp_path, monkeypatch):
     assert "no permission" in link_module._refusal("x", OSError())
 
 
-def test_port_busy(refused, images):
-    board, port = pty.openpty()
-    with serial.Serial(os.ttyname(port), exclusive=True):
-        assert "another program uses it: close it" in refused("flash", images("1"), "--port", os.ttyname(port))
-    os.close(board)
-    os.close(port)
+def test_port_busy(refused, images, silent_port):
+    with serial.Serial(silent_port, exclusive=True):
+        assert "another program uses it: close it" in refused("flash", images("1"), "--port", silent_port)
 
 
-def test_something_else_on_the_port(refused, images, monkeypatch):
+def test_something_else_on_the_port(refused, images, silent_port, monkeypatch):
     monkeypatch.setattr(link_module, "PROMPT_TIMEOUT_S", 0.3)
     monkeypatch.setattr(link_module, "READ_TIMEOUT_S", 0.3)
-    board, port = pty.openpty()
-    line = refused("flash", images("1"), "--port", os.ttyname(port), code=1)
+    line = refused("flash", images("1"), "--port", silent_port, code=1)
     assert "does not answer like MicroPython" in line
     assert "docs/flashing.md" in line
-    os.close(board)
-    os.close(port)
 
 
 @pytest.mark.parametrize(
