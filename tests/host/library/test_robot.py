@@ -283,7 +283,6 @@ def test_a_simulated_walk_is_the_same_twice():
 
 def test_a_record_holds_every_tick(tmp_path, run_json):
     """Made faster than time goes by: the disk is waited for, nothing is dropped."""
-    pytest.importorskip("mcap")
     path = tmp_path / "walk.mcap"
     with Robot("sim", record=path) as robot:
         robot.stand()
