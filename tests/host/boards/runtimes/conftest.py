@@ -9,13 +9,15 @@ from typing import Any
 import pytest
 
 from host.boards.build.native_core import why_not
-from host.boards.runtimes import Unix, Wasi, base
+from host.boards.runtimes import CPython, Unix, Wasi, base
+from host.lab.parity.check import Report, collect
 from host.lab.parity.figures import allocations, largest_values, promises
 from host.lab.parity.sources import gather
 from tests.core import kept_core
 from tests.firmware.gait_vm import copy_modules
 from tests.waiting import wait_until
 
+VECTORS = 80  # over 20 000 vectors, and 2000 ticks of each gait
 MAKING_S = 1100.0  # compiling takes a minute, ten on a busy machine; pytest ends a test after 1200 (pyproject)
 
 
@@ -78,6 +80,18 @@ def _compiled_once(sources, once, monkeypatch):
         return once(f"{emitter}-{arch}", lambda folder: really(of, folder, emitter, arch))
 
     monkeypatch.setattr(base, "compile_sources", compiled)
+
+
+@pytest.fixture(scope="session")
+def reference(sources, once) -> Report:
+    """What CPython answers to the vectors."""
+
+    def ask(work: Path) -> Report:
+        report = Report(CPython())
+        collect(report, sources, work, VECTORS)
+        return report
+
+    return once("reference", ask)
 
 
 @pytest.fixture(scope="session")

@@ -17,12 +17,12 @@ from host.boards.runtimes import Compiled, CPython
 from host.lab.parity.check import examine, failures, first_difference
 from host.util.errors import UserError
 
+from .conftest import VECTORS
 from .plant import plant
 from .test_parity import report_of
 
 pytestmark = pytest.mark.skipif(native_core.why_not() is not None, reason=str(native_core.why_not()))
 
-VECTORS = 80  # over 20 000 vectors, and 2000 ticks of each gait
 WHERE = "import shared.body.leg, sys; sys.stdout.write(shared.body.leg.__file__)"
 
 
@@ -33,9 +33,9 @@ def run_caramelo(arguments: list[str], home: str) -> subprocess.CompletedProcess
                           env={**os.environ, core.SWITCH: home})
 
 
-def test_the_compiled_core_agrees_over_the_whole_range(sources, compiled_home, tmp_path, monkeypatch):
+def test_the_compiled_core_agrees_over_the_whole_range(sources, reference, compiled_home, tmp_path, monkeypatch):
     monkeypatch.setenv(core.SWITCH, str(compiled_home))
-    reports = examine([CPython(), Compiled()], sources, tmp_path, VECTORS, lambda name: None)
+    reports = examine([Compiled()], sources, tmp_path, VECTORS, lambda name: None, [reference])
     assert list(failures(reports)) == []
     assert reports[0].digest == reports[1].digest
     assert reports[1].vectors > 20_000

@@ -5,12 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from host.boards.runtimes import Compiled, CPython, Node, Runtime, Unix, Wasi, all_runtimes
+from host.boards.runtimes import CCore, CPython, Runtime, Unix, Wasi
 from host.lab.parity.check import Report, collect, examine, failures, first_difference
 from host.lab.parity.coverage import TracedNode, compare, cover
 from host.lab.parity.figures import Promise
 from tests.marks import skip_without
 
+from .conftest import VECTORS
 from .plant import plant
 
 
@@ -45,17 +46,21 @@ def test_a_function_without_vectors_is_named(sources, bound, tmp_path):
     assert unregistered(copy, bound) == ["num.pid.quite_new"]
 
 
-def test_every_runtime_that_is_here_agrees(sources, tmp_path):
-    """In 32 bits too, from the source as it is and as every emitter makes it. The compiled core: test_compiled.py.
-
-    Node takes minutes: test_runtimes.py.
-    """
-    asked = [runtime for runtime in all_runtimes() if not isinstance(runtime, (Compiled, Node))]
-    reports = examine(asked, sources, tmp_path, 16, lambda name: None)
+def agree(reports: list[Report]) -> None:
     assert list(failures(reports)) == []
-    answered = [report for report in reports if not report.skipped]
-    assert {report.digest for report in answered} == {reports[0].digest}
-    assert {report.word_bits for report in answered} == {32, 64}
+    assert {report.digest for report in reports if not report.skipped} == {reports[0].digest}
+
+
+def test_the_unchanged_source_agrees_in_a_32_bit_vm(sources, reference, tmp_path):
+    reports = examine([Wasi("source")], sources, tmp_path, VECTORS, lambda name: None, [reference])
+    agree(reports)
+    assert reports[0].vectors > 20_000
+    assert [report.word_bits for report in reports] == [64, 32]
+
+
+def test_every_emitter_agrees(sources, tmp_path):
+    built: list[Runtime] = [CCore(), *(Unix(emitter) for emitter in ("source", "bytecode", "native", "viper"))]
+    agree(examine([CPython(), Wasi("bytecode"), *built], sources, tmp_path, 16, lambda name: None))
 
 
 def report_of(runtime: Runtime, sources: Path, work: Path) -> Report:
