@@ -149,6 +149,15 @@ def terminal(tmp_path):
     terminal.end()
 
 
+def states(path):
+    return [row.values["state"] for row in read_record(path).of("/state")]
+
+
+def sat_down(path):
+    """Return whether a record is whole and ends with a robot that sat down."""
+    return read_record(path).whole and states(path)[-2:] == ["sitting", "disarmed"]
+
+
 def test_a_terminal_that_goes_away_sits_the_robot_down(terminal, tmp_path):
     terminal.see("disarmed")
     terminal.type(b"t")
@@ -156,9 +165,7 @@ def test_a_terminal_that_goes_away_sits_the_robot_down(terminal, tmp_path):
     terminal.see("walking", key=b"w")
     terminal.hang_up()
     terminal.process.wait(PATIENCE_S)
-    record = read_record(tmp_path / "x.mcap")
-    assert record.whole
-    assert [row.values["state"] for row in record.of("/state")][-2:] == ["sitting", "disarmed"]
+    assert sat_down(tmp_path / "x.mcap")
 
 
 def test_a_drive_in_the_terminal(terminal):
@@ -176,3 +183,16 @@ def test_a_drive_in_the_terminal(terminal):
     terminal.process.send_signal(signal.SIGINT)
     terminal.see("missed their deadline")
     assert terminal.process.wait(PATIENCE_S) == 0
+
+
+def test_sigterm_ends_a_measurement_once_the_robot_sits(tmp_path):
+    path = tmp_path / "x.mcap"
+    options = ["--sim", "--direct", "--measure", "60", "--log", str(path)]
+    process = subprocess.Popen([*TELEOP, *options], stdout=subprocess.PIPE, text=True)
+    assert any(line.startswith("ready") for line in process.stdout)
+    wait_until(lambda: "walking" in states(path), "it walks")
+    process.send_signal(signal.SIGTERM)
+    assert "missed their deadline" in process.stdout.read()
+    process.stdout.close()
+    process.wait(PATIENCE_S)
+    assert sat_down(path)
