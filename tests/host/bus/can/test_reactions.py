@@ -134,6 +134,7 @@ def test_what_makes_all_joints_damp_that_hold_the_robot(seated, spoil, seconds, 
     seated.go(seconds, mode="stand")
     assert what in {notice.what for notice in seated.notices}
     assert {notice.node for notice in seated.notices} == {node}
+    assert all(f"(node {node})" in notice.sentence for notice in seated.notices)
     assert seated.bus.cycle.reaction == "damp"
     assert not seated.bus.cycle.armed
     seated.bus.run_for(1.0)
