@@ -1,6 +1,8 @@
-"""What tests of any folder use: the command, run in this process."""
+"""What tests of any folder use: the command, run in this process, and a port at which nobody answers."""
 
+import json
 import os
+import pty
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -16,6 +18,15 @@ settings.load_profile("caramelo")
 
 
 @pytest.fixture
+def silent_port():
+    """The path of a serial port at which nobody answers."""
+    ours, theirs = pty.openpty()
+    yield os.ttyname(theirs)
+    os.close(ours)
+    os.close(theirs)
+
+
+@pytest.fixture
 def run(capsys):
     """Run the command in this process; return exit code, stdout, stderr."""
 
@@ -23,5 +34,29 @@ def run(capsys):
         code = cli.main(arguments)
         out, err = capsys.readouterr()
         return code, out, err
+
+    return call
+
+
+@pytest.fixture
+def run_json(run):
+    """Run the command with --json; return exit code, the object that is the one line on stdout, and stderr."""
+
+    def call(*arguments):
+        code, out, err = run(*arguments, "--json")
+        assert out.count("\n") == 1, out
+        return code, json.loads(out), err
+
+    return call
+
+
+@pytest.fixture
+def refused(run):
+    """Run the command, which ends with this exit code and prints nothing but one line on stderr; return that line."""
+
+    def call(*arguments, code=2):
+        got, out, err = run(*arguments)
+        assert (got, out, err.count("\n")) == (code, "", 1), err
+        return err
 
     return call

@@ -6,8 +6,6 @@ import shutil
 import subprocess
 import sys
 
-import pytest
-
 from host.bus.base import Bus
 from host.control.loop import Loop
 from host.control.supervisor import Supervisor
@@ -39,14 +37,12 @@ def typed(tmp_path, title, count):
 
 
 def test_a_gait(tmp_path):
-    pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
     (tmp_path / "examples").mkdir()
     shutil.copy(ROOT / "examples/amble.toml", tmp_path / "examples")
     assert re.search(r"gait +mine", typed(tmp_path, "Add a gait", 3))
 
 
 def test_a_robot(tmp_path):
-    pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
     (tmp_path / "host/robot/files").mkdir(parents=True)
     shutil.copy(ROOT / "host/robot/files/caramelo.toml", tmp_path / "host/robot/files")
     assert re.search(r"robot +mine", typed(tmp_path, "Add a robot", 4))

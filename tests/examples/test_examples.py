@@ -34,8 +34,6 @@ def test_every_example_is_short():
 
 
 def printed(name, capsys, monkeypatch, folder, *places):
-    if name == "record":
-        pytest.importorskip("mcap")
     monkeypatch.chdir(folder)
     monkeypatch.setattr(sys, "argv", [f"{name}.py", *places])
     runpy.run_path(str(FOLDER / f"{name}.py"), run_name="__main__")

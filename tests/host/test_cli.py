@@ -23,7 +23,7 @@ from host.util.errors import UserError
 from host.util.extras import EXTRA_OF
 from host.util.files import atomic_path, check_folder, write_bytes, write_text
 from tests import ROOT
-from tests.interrupts import hear_signals
+from tests.processes import hear_signals
 from tests.waiting import PATIENCE_S
 
 CARAMELO = Path(sys.executable).parent / "caramelo"
@@ -94,11 +94,8 @@ def test_start_imports_nothing_slow():
         (("robots", "check", "missing.toml"), "missing.toml: no such file"),
     ],
 )
-def test_wrong_use_is_one_line_and_exit_code_2(run, arguments, words):
-    code, out, err = run(*arguments)
-    assert code == 2
-    assert out == ""
-    line = one_line(err)
+def test_wrong_use_is_one_line_and_exit_code_2(refused, arguments, words):
+    line = refused(*arguments)
     assert line.startswith("caramelo: ")
     assert words in line
 
@@ -109,45 +106,40 @@ def test_installed_command_passes_the_exit_code_on():
     assert one_line(done.stderr).startswith("caramelo: robot \"nobody\"")
 
 
-def test_robots_lists_all(run):
+def test_robots_lists_all(run, run_json):
     code, out, _ = run("robots")
     assert code == 0
     assert "caramelo" in out
     assert "parallel" in out
-    names = [robot["name"] for robot in json.loads(one_line(run("robots", "--json")[1]))["robots"]]
-    assert names == robot_names()
+    assert [robot["name"] for robot in run_json("robots")[1]["robots"]] == robot_names()
 
 
 @pytest.mark.parametrize("name", ["caramelo", "parallel"])
-def test_robots_show_gives_everything_as_json(run, name):
-    code, out, _ = run("robots", "show", name, "--json")
-    assert code == 0
-    shown = json.loads(one_line(out))
-    assert shown["name"] == name
+def test_robots_show_gives_everything_as_json(run, run_json, name):
+    code, shown, _ = run_json("robots", "show", name)
+    assert (code, shown["name"]) == (0, name)
     assert shown["geometry"]["thigh_m"] > 0
     assert shown["derived"]["length_unit_m"] == 2.0 ** (-17 if name == "caramelo" else -16)
     for word in ("mass", "joint limits", "length unit"):
         assert word in run("robots", "show", name)[1]
 
 
-def test_robots_check_says_yes_or_why_not(run, tmp_path):
+def test_robots_check_says_yes_or_why_not(run, run_json, tmp_path):
     path = tmp_path / "my.toml"
     path.write_text((ROOT / "host/robot/files/caramelo.toml").read_text())
     code, out, _ = run("robots", "check", str(path))
     assert code == 0
     assert out.startswith(f'{path}: ok: "caramelo", 2.204 kg\n')
-    found = json.loads(one_line(run("robots", "check", str(path), "--json")[1]))
+    found = run_json("robots", "check", str(path))[1]
     assert (found["ok"], found["lacks"]) == (True, [])
     assert f"sags {1000 * found['ability']['sag_m']:.1f} mm" in out
     path.write_text("name = 3")
-    code, out, err = run("robots", "check", str(path), "--json")
-    assert code == 2
-    answer = json.loads(one_line(out))
-    assert answer["ok"] is False
-    assert one_line(err) == f"caramelo: {answer['reason']}"
+    code, answer, err = run_json("robots", "check", str(path))
+    assert (code, answer["ok"]) == (2, False)
+    assert err == f"caramelo: {answer['reason']}\n"
 
 
-def test_robots_check_tells_what_a_robot_can_not_carry_and_which_key_to_change(run, tmp_path):
+def test_robots_check_tells_what_a_robot_can_not_carry_and_which_key_to_change(run, run_json, tmp_path):
     """Its servos give 2.5 N m, of which a calf that carries half of the robot takes 40 %; with 0.9 N m it is 112 %."""
     path = tmp_path / "weak.toml"
     text = (ROOT / "host/robot/files/caramelo.toml").read_text()
@@ -158,11 +150,8 @@ def test_robots_check_tells_what_a_robot_can_not_carry_and_which_key_to_change(r
     last = out.splitlines()[-1]
     for words in ("standing on two legs", "the calf needs 1.1 times", "actuator.supply.stall_Nm", "trunk.mass_kg"):
         assert words in last
-    code, out, _ = run("robots", "check", str(path), "--json")
-    assert code == 1
-    found = json.loads(one_line(out))
-    assert found["ok"] is False
-    assert found["lacks"] == [last]
+    code, found, _ = run_json("robots", "check", str(path))
+    assert (code, found["ok"], found["lacks"]) == (1, False, [last])
 
 
 def app_that_raises(error):
@@ -259,12 +248,10 @@ def test_an_output_that_takes_nothing_is_told_in_a_line(arguments, unbuffered):
 @pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
 def test_a_stream_that_came_closed_costs_no_result(tmp_path, closed):
     """Each None in sys ended a command in a traceback: stdout with all of them, stderr where one shows progress."""
-    pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
     shell = f'exec "$0" -m caramelo walk --distance 0.05 --out "$1" {closed}'
     ran = subprocess.run(["sh", "-c", shell, sys.executable, tmp_path], capture_output=True, text=True, cwd=ROOT)
     assert (ran.returncode, ran.stderr) == (0, "")
     assert (tmp_path / "walk.json").exists()
-
 
 
 def test_what_the_system_refuses_is_a_line(run, monkeypatch):
@@ -289,11 +276,10 @@ def test_ctrl_c_while_the_command_is_imported_is_a_line():
 
 
 @pytest.mark.parametrize("command", [["walk"], ["experiment", "table1"], ["motor", "sim"]])
-def test_a_folder_that_cannot_be_written_is_refused_before_the_work(run, tmp_path, command):
+def test_a_folder_that_cannot_be_written_is_refused_before_the_work(refused, tmp_path, command):
     (tmp_path / "file").write_text("mine")
-    code, out, err = run(*command, "--out", str(tmp_path / "file/sub"))
-    assert (code, out) == (2, "")
-    assert err == f"caramelo: --out {tmp_path}/file/sub: {tmp_path}/file is a file: name a folder\n"
+    line = refused(*command, "--out", str(tmp_path / "file/sub"))
+    assert line == f"caramelo: --out {tmp_path}/file/sub: {tmp_path}/file is a file: name a folder\n"
     assert (tmp_path / "file").read_text() == "mine"
 
 

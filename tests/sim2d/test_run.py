@@ -14,13 +14,11 @@ from sim2d.bus import LateBus
 from sim2d.model import SensorModel
 from sim2d.referee import Referee
 from sim2d.run import simulate
-from sim2d.world import Contacts, World, _count_bodies
+from sim2d.world import World, _count_bodies
 from tests.float_twin.paper_trot import PaperTrot
 
 from .conftest import caramelo
 from .helpers import Stand
-
-NOTHING = Contacts(((0.0, 0.0),) * 4, (False,) * 4, False, 0.0)
 
 
 def test_it_starts_on_the_ground_at_the_offset_asked(robot):

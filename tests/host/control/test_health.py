@@ -1,7 +1,5 @@
 """`caramelo health`: the verdict on each part, from a drive that runs, from a simulation, from parts that fail."""
 
-import json
-
 import pytest
 
 from host.control.hardware import Hardware
@@ -89,9 +87,8 @@ def test_versions_that_differ_are_noted(seen):
     assert "restart the service" in words
 
 
-def test_a_simulated_robot(run):
-    code, out, err = run("health", "--robot", "parallel", "--sim", "--json")
-    value = json.loads(out)
+def test_a_simulated_robot(run_json):
+    code, value, err = run_json("health", "--robot", "parallel", "--sim")
     assert err == ""
     assert value["source"] == "simulation"
     assert [line["name"] for line in value["lines"]] == LINES
@@ -100,10 +97,10 @@ def test_a_simulated_robot(run):
     assert all(line["verdict"] == "ok" for line in steady), steady
 
 
-def test_a_simulated_robot_has_come_to_rest_before_it_is_looked_at(run):
+def test_a_simulated_robot_has_come_to_rest_before_it_is_looked_at(run_json):
     """Its sensor was bad, because it had moved: three times in four."""
-    _, out, _ = run("health", "--sim", "--direct", "--json")
-    lines = {line["name"]: line for line in json.loads(out)["lines"]}
+    _, value, _ = run_json("health", "--sim", "--direct")
+    lines = {line["name"]: line for line in value["lines"]}
     assert lines["IMU"]["found"].startswith("roll "), lines["IMU"]
 
 
@@ -114,10 +111,9 @@ def briefly(monkeypatch):
     return "--seconds", "0.1"
 
 
-def test_a_drive_that_runs(run, tmp_path, briefly):
+def test_a_drive_that_runs(run, run_json, tmp_path, briefly):
     with Teleop(tmp_path) as teleop:
-        code, out, _ = run("health", "--socket", str(tmp_path / "teleop.sock"), "--json")
-        value = json.loads(out)
+        code, value, _ = run_json("health", "--socket", str(tmp_path / "teleop.sock"))
         assert [line["name"] for line in value["lines"]] == LINES
         assert value["lines"][0]["found"] == "caramelo, simulated: disarmed"
         assert code == (0 if value["ok"] else 1)
@@ -128,17 +124,15 @@ def test_a_drive_that_runs(run, tmp_path, briefly):
         assert len(out.splitlines()) == len(LINES)
 
 
-def test_without_a_drive_the_services_socket_is_looked_for(run, tmp_path, monkeypatch, briefly):
+def test_without_a_drive_the_services_socket_is_looked_for(run_json, tmp_path, monkeypatch, briefly):
     with Teleop(tmp_path):
         monkeypatch.setattr(look, "SERVICE", str(tmp_path / "teleop.sock"))
-        _, out, _ = run("health", "--json", *briefly)
-        assert json.loads(out)["source"] == str(tmp_path / "teleop.sock")
+        assert run_json("health", *briefly)[1]["source"] == str(tmp_path / "teleop.sock")
 
 
-def test_hardware_that_can_not_be_opened(run, tmp_path, monkeypatch):
+def test_hardware_that_can_not_be_opened(run_json, tmp_path, monkeypatch):
     monkeypatch.setattr(look, "SERVICE", str(tmp_path / "none.sock"))
-    code, out, _ = run("health", "--calibration", str(tmp_path / "none.toml"), "--json")
-    value = json.loads(out)
+    code, value, _ = run_json("health", "--calibration", str(tmp_path / "none.toml"))
     assert code == 1
     assert [(line["name"], line["verdict"]) for line in value["lines"]] == [
         ("joints", "bad"), ("IMU", "bad"), ("versions", "ok"),
@@ -146,13 +140,13 @@ def test_hardware_that_can_not_be_opened(run, tmp_path, monkeypatch):
     assert "no calibration yet" in value["lines"][0]["found"]
 
 
-def test_a_port_without_servos(run, tmp_path, monkeypatch):
+def test_a_port_without_servos(run_json, tmp_path, monkeypatch):
     """The joints fail their check; the sensor is looked at all the same."""
     monkeypatch.setattr(look, "SERVICE", str(tmp_path / "none.sock"))
     calm = tmp_path / "rest.csv"
     calm.write_text("".join(f"0,0,{at},0,0,16384\n" for at in range(50)))
-    code, out, _ = run("health", "--robot", "parallel", "--port", "virtual:health", "--imu", str(calm), "--json")
-    lines = {line["name"]: line for line in json.loads(out)["lines"]}
+    code, value, _ = run_json("health", "--robot", "parallel", "--port", "virtual:health", "--imu", str(calm))
+    lines = {line["name"]: line for line in value["lines"]}
     assert code == 1
     assert lines["joints"]["verdict"] == "bad"
     assert (lines["IMU"]["verdict"], lines["IMU"]["found"]) == ("ok", "recorded answers")
@@ -170,8 +164,5 @@ def test_a_port_without_servos(run, tmp_path, monkeypatch):
         (("--socket", "65536"), 1, "port must be 0-65535"),
     ],
 )
-def test_wrong_use_is_one_line(run, arguments, code, words):
-    got, out, err = run("health", *arguments)
-    assert (got, out) == (code, "")
-    assert words in err
-    assert err.count("\n") == 1
+def test_wrong_use_is_one_line(refused, arguments, code, words):
+    assert words in refused("health", *arguments, code=code)

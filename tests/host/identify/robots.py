@@ -13,7 +13,6 @@ from host.sim.servos.honest import HonestStand, drawn
 
 ROBOT = load_robot("caramelo")
 SERVO = ROBOT.actuator
-LOADS = [in_the_air(ROBOT, joint) for joint in range(JOINTS)]
 # What is drawn; the torques' and the law's shapes that are not fitted stay as the file has them.
 COMPARED = [name for name in NAMES if name != "act_s"]
 
@@ -36,11 +35,6 @@ def truth(made: HonestStand, joint: int) -> dict[str, float]:
     )}  # fmt: skip
 
 
-def all_drawn(made: HonestStand) -> list[dict[str, float]]:
-    """Return every joint's numbers as drawn."""
-    return [truth(made, joint) for joint in range(JOINTS)]
-
-
 def errors(made: HonestStand, joint: int, fitted: Fitted) -> dict[str, float]:
     """Return by which share each number is off, and the delay by how many ms."""
     true = truth(made, joint)
@@ -60,6 +54,7 @@ def measured(seed: int, joint: int):
     ground = grounds(ROBOT, SERVO, stand_and_sway(made.rig))[joint]
     fitted = JointFit(SERVO, in_the_air(ROBOT, joint), traces, ground).run()
     share = {name: fitted.values[name] / truth(made, joint)[name] for name in NAMES}
-    numbers = [{name: share[name] * own[name] for name in NAMES} for own in all_drawn(made)]
-    found = supply_ohm(SERVO, LOADS, numbers, shaken)
+    drawn_numbers = [truth(made, other) for other in range(JOINTS)]
+    numbers = [{name: share[name] * own[name] for name in NAMES} for own in drawn_numbers]
+    found = supply_ohm(SERVO, [in_the_air(ROBOT, other) for other in range(JOINTS)], numbers, shaken)
     return made, fitted, (found, made.plant.made.supply_ohm)

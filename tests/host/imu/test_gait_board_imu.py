@@ -1,7 +1,6 @@
 """The inertial sensor of a gait board: the real firmware in the unix VM behind pipes, and what goes wrong."""
 
 import os
-import pty
 import select
 import signal
 import time
@@ -180,15 +179,12 @@ def test_a_flooded_stream_does_not_hold_up_the_ticks():
     assert kinds.count(link.SETPOINTS) == pytest.approx(blocks / 20, abs=2)  # one in 20 ms
 
 
-def test_a_port_without_a_board_says_so():
-    ours, theirs = pty.openpty()
-    sensor = GaitBoardImu(os.ttyname(theirs))
+def test_a_port_without_a_board_says_so(silent_port):
+    sensor = GaitBoardImu(silent_port)
     began_s = time.monotonic()
     with pytest.raises(ImuError, match="no gait board answers: install its firmware with caramelo flash"):
         sensor.open()
     assert time.monotonic() - began_s < 10
-    os.close(ours)
-    os.close(theirs)
     with pytest.raises(ImuError, match="no such port"):
         GaitBoardImu("/dev/ttyACM97").open()
 

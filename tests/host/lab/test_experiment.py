@@ -23,14 +23,9 @@ from host.robot.file import load_robot
 from host.robot.trot_tuning import GAIT
 from host.sim.walk import WalkSpec
 from tests import ROOT
-from tests.children import children_of
-from tests.interrupts import hear_signals
+from tests.processes import children_of, hear_signals
 from tests.shared.robots import with_trunk_at
 from tests.waiting import PATIENCE_S, wait_until
-
-pytest.importorskip("numpy")
-pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
-pytest.importorskip("scipy", reason="scipy is not installed (extra sim)")
 
 ROBOT = load_robot("caramelo")
 CARAMELO = Path(sys.executable).parent / "caramelo"
@@ -279,30 +274,28 @@ class Arrives:
         return ARRIVED
 
 
-def test_a_line_a_case_tells_on_stderr_how_far_it_is(run, monkeypatch):
+def test_a_line_a_case_tells_on_stderr_how_far_it_is(run_json, monkeypatch):
     """Minutes of silence were taken for a hang when the output went into a file."""
     cases = [Case("steps", {PLANE: [Arrives() for _ in range(3)]})]
     made = replace(EXPERIMENTS["steps"], cases=lambda options: cases, sum_up=lambda options, rows: Found({}, []))
     monkeypatch.setitem(EXPERIMENTS, "steps", made)
-    code, out, err = run("experiment", "steps", "--gait", "crawl", "--json")
-    head = {"experiment": "steps", "robot": "caramelo", "gait": "crawl", "honest": True}
-    assert (code, json.loads(out)) == (0, head)
+    code, found, err = run_json("experiment", "steps", "--gait", "crawl")
+    assert (code, found) == (0, {"experiment": "steps", "robot": "caramelo", "gait": "crawl", "honest": True})
     assert err.splitlines()[-3:] == [f"steps (crawl): {number} of 3" for number in (1, 2, 3)]
 
 
-def test_a_gait_file_is_a_gait_here_too(run, monkeypatch):
+def test_a_gait_file_is_a_gait_here_too(run_json, monkeypatch):
     """Whoever wrote a gait could walk it, but not compare it with the others."""
     made = replace(EXPERIMENTS["steps"], cases=lambda options: [], sum_up=lambda options, rows: Found({}, []))
     monkeypatch.setitem(EXPERIMENTS, "steps", made)
-    code, out, _ = run("experiment", "steps", "--gait", str(ROOT / "examples/amble.toml"), "--json")
-    assert (code, json.loads(out)["gait"]) == (0, "amble")
+    code, found, _ = run_json("experiment", "steps", "--gait", str(ROOT / "examples/amble.toml"))
+    assert (code, found["gait"]) == (0, "amble")
 
 
-def test_table1_prints_one_object_and_writes_whole_files(run, tmp_path):
+def test_table1_prints_one_object_and_writes_whole_files(run_json, tmp_path):
     pytest.importorskip("matplotlib", reason="matplotlib is not installed (extra sim)")
-    code, out, _ = run("experiment", "table1", "--trials", "2", "--no-3d", "--json", "--out", str(tmp_path / "new"))
+    code, result, _ = run_json("experiment", "table1", "--trials", "2", "--no-3d", "--out", str(tmp_path / "new"))
     assert code == 0
-    result = json.loads(out)
     assert [case["case"] for case in result["cases"]] == ["to x 0.05, y 0.03 m", "to x 0.03, y 0.05 m"]
     assert result["cases"][0]["three_d"] is None
     assert result["cases"][0]["paper"]["z_max_m"]["mean"] == 0.047568
@@ -314,53 +307,49 @@ def test_table1_prints_one_object_and_writes_whole_files(run, tmp_path):
     assert "src=\"http" not in page
 
 
-def test_goals_print_one_object_with_a_row_for_each_case(run):
+def test_goals_print_one_object_with_a_row_for_each_case(run_json):
     """Sideways, turning and backwards, each at both frictions: the trot does what it is told."""
     pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
-    code, out, _ = run("experiment", "goals", "--only", "ways", "--set", "held-out", "--trials", "1", "--json")
-    result = json.loads(out)
+    code, result, _ = run_json("experiment", "goals", "--only", "ways", "--set", "held-out", "--trials", "1")
     assert (code, result["gait"], len(result["rows"])) == (0, GAIT, 3)
     for row in result["rows"]:
         assert (row["group"], row["in"], row["met"], row["walks"]) == ("ways", ["3-D"], True, 2)
         assert row["figure"].startswith("2/2, speed")
 
 
-def test_wrong_words_are_told_in_one_line(run):
-    for arguments, told in (
-        (("experiment", "table3"), "there are table1, table2"),
-        (("experiment", "ramp", "--gait", "gallop"), "no such gait"),
-        (("experiment", "ramp", "--gait", "gallop.toml"), "no such file"),
-        (("experiment", "ramp", "--only", "flat"), "only with experiment goals; ramp has no groups"),
-        (("experiment", "goals", "--only", "flat,moon"), "there are flat, conditions"),
-        (("experiment", "goals", "--set", "best"), "allowed chosen or held-out"),
-        (("export", "mjcf", "--terrain", "moon"), "--terrain moon: allowed flat"),
-        (("export", "urdf", "--voltage", "40"), "allowed 11.1 .. 14.8 V"),
-        (("export", "urdf", "--json"), "--out FILE"),
-    ):
-        code, out, err = run(*arguments)
-        assert code == 2
-        assert out == ""
-        assert told in err
-        assert err.count("\n") == 1
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        ("experiment table3", "there are table1, table2"),
+        ("experiment ramp --gait gallop", "no such gait"),
+        ("experiment ramp --gait gallop.toml", "no such file"),
+        ("experiment ramp --only flat", "only with experiment goals; ramp has no groups"),
+        ("experiment goals --only flat,moon", "there are flat, conditions"),
+        ("experiment goals --set best", "allowed chosen or held-out"),
+        ("export mjcf --terrain moon", "--terrain moon: allowed flat"),
+        ("export urdf --voltage 40", "allowed 11.1 .. 14.8 V"),
+        ("export urdf --json", "--out FILE"),
+    ],
+)
+def test_wrong_words_are_told_in_one_line(refused, arguments, told):
+    assert told in refused(*arguments.split())
 
 
-def test_without_mujoco_the_plane_goes_on(run, monkeypatch):
+def test_without_mujoco_the_plane_goes_on(run_json, monkeypatch):
     from host.lab.experiments import trials
 
     monkeypatch.setattr(trials, "find_spec", lambda name: None)
-    code, out, err = run("experiment", "table1", "--trials", "2", "--json")
-    assert code == 0
+    code, result, err = run_json("experiment", "table1", "--trials", "2")
+    assert (code, result["cases"][0]["three_d"]) == (0, None)
     assert "3-D columns stay empty" in err
-    assert json.loads(out)["cases"][0]["three_d"] is None
 
 
-def test_export_writes_the_files(run, tmp_path):
-    for kind, robot in (("mjcf", "caramelo"), ("urdf", "parallel")):
-        target = tmp_path / f"{robot}.xml"
-        code, out, _ = run("export", kind, "--robot", robot, "--payload", "1", "--out", str(target), "--json")
-        assert code == 0
-        assert json.loads(out) == {"robot": robot, "format": kind, "file": str(target),
-                                   "bytes": len(target.read_bytes())}
+@pytest.mark.parametrize(("kind", "robot"), [("mjcf", "caramelo"), ("urdf", "parallel")])
+def test_export_writes_the_file(run_json, tmp_path, kind, robot):
+    target = tmp_path / f"{robot}.xml"
+    code, told, _ = run_json("export", kind, "--robot", robot, "--payload", "1", "--out", str(target))
+    assert code == 0
+    assert told == {"robot": robot, "format": kind, "file": str(target), "bytes": len(target.read_bytes())}
 
 
 @pytest.mark.parametrize(("number", "children", "last"), [
@@ -386,13 +375,12 @@ def test_a_signal_leaves_nothing_half_written(tmp_path, number, children, last):
 
 
 @pytest.mark.slow
-def test_all_experiments_run(run, tmp_path):
+def test_all_experiments_run(run_json, tmp_path):
     """Everything once, one trial each, in both simulators."""
     pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
-    code, out, _ = run("experiment", "all", "--gait", "paper-trot", "--trials", "1", "--jobs", "2", "--json",
-                       "--out", str(tmp_path))
+    code, result, _ = run_json("experiment", "all", "--gait", "paper-trot", "--trials", "1", "--jobs", "2",
+                               "--out", str(tmp_path))
     assert code == 0
-    result = json.loads(out)
     assert set(result) == {"table1", "table2", "ramp", "steps", "payload", "requirements"}
     assert {row["kind"] for row in result["steps"]["results"]} == set(counts.STEPS)
     assert len(result["requirements"]["rows"]) == 8

@@ -1,6 +1,5 @@
 """The library's Robot: what it refuses and in which words, what it does when something goes wrong, what it records."""
 
-import json
 import pickle
 import sys
 import threading
@@ -282,17 +281,15 @@ def test_a_simulated_walk_is_the_same_twice():
     assert walked() == walked()
 
 
-def test_a_record_holds_every_tick(tmp_path, run):
+def test_a_record_holds_every_tick(tmp_path, run_json):
     """Made faster than time goes by: the disk is waited for, nothing is dropped."""
-    pytest.importorskip("mcap")
     path = tmp_path / "walk.mcap"
     with Robot("sim", record=path) as robot:
         robot.stand()
         robot.walk(0.05, seconds=20.0)
         loop = robot._opened.loop
-    code, out, _ = run("log", "info", str(path), "--json")
-    assert code == 0
-    assert json.loads(out)["messages"]["/joints"] == loop.pacer.ticks
+    code, told, _ = run_json("log", "info", str(path))
+    assert (code, told["messages"]["/joints"]) == (0, loop.pacer.ticks)
     with pytest.raises(Error, match=r"walk.mcap: the file exists"):
         Robot("sim", record=path).open()
 

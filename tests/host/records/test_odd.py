@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 from mcap.writer import CompressionType
 
-from host.cli import main
 from host.records import plot
 from host.records.reader import Record, messages, read_record
 
 from .odd import damaged, drive, mcap, odd_values, whole_files
 
-COMMANDS = {"info": ["info"], "info --json": ["info", "--json"], "replay": ["replay"], "csv": ["export", "csv"]}
+CSV, PLOT = "export csv", "plot"
+COMMANDS = ("info", "info --json", "replay", CSV)
+OUT = {CSV: "out/csv", PLOT: "out/x.png"}
 
 
 def is_one_line(code, err):
@@ -23,60 +24,57 @@ def is_one_line(code, err):
     return len(lines) == (code == 2 or missing) and err.strip("\n").isprintable()
 
 
-def try_all(capsys, name, path, folder, commands):
+def try_all(run, name, path, folder, commands):
     """Run the commands on a file; nothing but results may appear in the folder, all or none."""
+    out = folder / "out"
     for command in commands:
-        out = folder / "out"
-        options = ["--out", str(out / "csv")] if command == "csv" else []
-        if command == "plot":
-            code = main(["log", "plot", str(path), "--out", str(out / "x.png")])
-        else:
-            code = main(["log", *COMMANDS[command], str(path), *options])
-        shown, err = capsys.readouterr()
+        options = ("--out", str(folder / OUT[command])) if command in OUT else ()
+        code, shown, err = run("log", *command.split(), str(path), *options)
         assert code in (0, 1, 2), (name, command)
         assert is_one_line(code, err), (name, command, err)
         assert all(line.isprintable() for line in shown.splitlines()), (name, command)
         made = [path for path in folder.rglob("*") if out in path.parents and path.is_file()]
         assert code == 0 or made == [], (name, command)
-        assert all(path.parent == (out / "csv" if command == "csv" else out) for path in made), (name, made)
+        assert all(path.parent == (out / "csv" if command == CSV else out) for path in made), (name, made)
         assert not any(path.name.startswith(".") for path in made)
         for path_made in made:
             path_made.unlink()
 
 
-def test_odd_files_are_read_or_refused_in_a_line(capsys, tmp_path):
+def test_odd_files_are_read_or_refused_in_a_line(run, tmp_path):
     (tmp_path / "in").mkdir()
     for name, path in whole_files(tmp_path / "in"):
-        try_all(capsys, name, path, tmp_path, COMMANDS)
+        try_all(run, name, path, tmp_path, COMMANDS)
     assert set(os.listdir(tmp_path)) <= {"in", "out"}, "a topic led elsewhere"
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_odd_values_are_read_or_refused_in_a_line(capsys, tmp_path, seed):
+def test_odd_values_are_read_or_refused_in_a_line(run, tmp_path, seed):
     (tmp_path / "in").mkdir()
     for name, path in odd_values(tmp_path / "in", seed, 40):
-        try_all(capsys, name, path, tmp_path, COMMANDS)
+        try_all(run, name, path, tmp_path, COMMANDS)
 
 
-def test_odd_records_are_drawn_or_refused_in_a_line(capsys, tmp_path):
+def test_odd_records_are_drawn_or_refused_in_a_line(run, tmp_path):
     """Some of each kind: a picture takes a second."""
     (tmp_path / "in").mkdir()
     for name, path in [*odd_values(tmp_path / "in", 9, 4), *list(whole_files(tmp_path / "in"))[::12]]:
-        try_all(capsys, name, path, tmp_path, ["plot"])
+        try_all(run, name, path, tmp_path, [PLOT])
 
 
 @pytest.mark.parametrize("seed", range(3))
-def test_damage_never_breaks_the_reader(tmp_path, capsys, seed):
+def test_damage_never_breaks_the_reader(tmp_path, run, seed):
     for name, path in damaged(tmp_path, seed, 120):
-        assert main(["log", "info", str(path)]) in (0, 2), name
-        assert is_one_line(2 if (err := capsys.readouterr().err) else 0, err), name
+        code, _, err = run("log", "info", str(path))
+        assert code in (0, 2), name
+        assert is_one_line(2 if err else 0, err), name
 
 
-def test_a_wrong_value_is_named(tmp_path, capsys):
+def test_a_wrong_value_is_named(tmp_path, refused):
     wrong = [*drive(2), ("/joints", {"wanted_rad": [0.0] * 11, "measured_rad": [0.0] * 12})]
     path = mcap(tmp_path / "x.mcap", wrong)
-    assert main(["log", "plot", str(path)]) == 2
-    assert capsys.readouterr().err == f"caramelo: {path}: message 3 of /joints: wanted_rad: allowed: 12 numbers\n"
+    line = refused("log", "plot", str(path))
+    assert line == f"caramelo: {path}: message 3 of /joints: wanted_rad: allowed: 12 numbers\n"
     assert os.listdir(tmp_path) == ["x.mcap"]
 
 
@@ -92,25 +90,25 @@ LONG = "x" * 300
         ([("/gps", {"x": 1}), ("/gps", b"?")], ["export", "csv"], "message 2 of /gps: not JSON"),
     ],
 )
-def test_what_can_not_be_shown_is_told_and_leaves_nothing(tmp_path, capsys, messages, command, words):
+def test_what_can_not_be_shown_is_told_and_leaves_nothing(tmp_path, refused, messages, command, words):
     path = mcap(tmp_path / "x.mcap", messages)
-    assert main(["log", *command, str(path)]) == 2
-    assert words in capsys.readouterr().err
+    assert words in refused("log", *command, str(path))
     assert os.listdir(tmp_path) == ["x.mcap"]
 
 
-def test_foreign_files_are_named_and_their_compression_is(tmp_path, capsys):
+def test_foreign_files_are_named_and_their_compression_is(tmp_path, run, refused):
     path = mcap(tmp_path / "x.mcap", [("/gps", {"x": 1})], about=None)
-    assert main(["log", "info", str(path)]) == 0
-    assert capsys.readouterr().out.startswith(f"{path}: 0.0 s\n")
+    code, out, _ = run("log", "info", str(path))
+    assert code == 0
+    assert out.startswith(f"{path}: 0.0 s\n")
     path = mcap(tmp_path / "y.mcap", [("/gps", {"x": 1})], about=None, compression=CompressionType.LZ4)
-    assert main(["log", "info", str(path)]) == 2
-    assert f"{path}: not a record (a chunk is compressed with lz4, not with zstd): allowed" in capsys.readouterr().err
+    told = f"{path}: not a record (a chunk is compressed with lz4, not with zstd): allowed"
+    assert told in refused("log", "info", str(path))
 
 
-def test_a_topic_leads_nowhere_else(tmp_path, capsys):
+def test_a_topic_leads_nowhere_else(tmp_path, run):
     path = mcap(tmp_path / "x.mcap", [("/../X", {"x": 1}), ("/a/b", {"x": 1}), ("/load", {"load": [0.5] * 12})])
-    assert main(["log", "export", "csv", str(path), "--out", str(tmp_path / "deep" / "csv")]) == 0
+    assert run("log", "export", "csv", str(path), "--out", str(tmp_path / "deep" / "csv"))[0] == 0
     assert sorted(os.listdir(tmp_path / "deep" / "csv")) == ["%2E.%2FX.csv", "a%2Fb.csv", "load.csv"]
     assert sorted(os.listdir(tmp_path)) == ["deep", "x.mcap"]
 
@@ -129,35 +127,33 @@ def test_only_what_is_wanted_is_kept(tmp_path):
     (["export", "csv"], "names no record: use caramelo log export csv FILE, such as caramelo log export"),
     (["plot", "x.mcap", "--out", "x.mcap"], "--out x.mcap: give a name that ends in .png"),
 ])  # fmt: skip
-def test_wrong_use_is_told_with_an_example(capsys, arguments, words):
-    assert main(["log", *arguments]) == 2
-    assert words in capsys.readouterr().err
+def test_wrong_use_is_told_with_an_example(refused, arguments, words):
+    assert words in refused("log", *arguments)
 
 
 @pytest.mark.parametrize("command", [["info"], ["export", "csv"]])
-def test_a_pipe_is_refused_before_it_is_read(tmp_path, capsys, command):
+def test_a_pipe_is_refused_before_it_is_read(tmp_path, refused, command):
     reader, writer = os.pipe()
     os.write(writer, mcap(tmp_path / "x.mcap", drive(1)).read_bytes())
     os.close(writer)
     path = f"/dev/fd/{reader}"
-    assert main(["log", *command, path]) == 2
+    line = refused("log", *command, path)
     os.close(reader)
-    assert capsys.readouterr().err == f"caramelo: {path}: is a pipe: write the record into a file first\n"
+    assert line == f"caramelo: {path}: is a pipe: write the record into a file first\n"
 
 
-def test_a_picture_never_replaces_its_record(tmp_path, capsys):
+def test_a_picture_never_replaces_its_record(tmp_path, refused):
     path = mcap(tmp_path / "x.png", drive(2))
     before = path.read_bytes()
-    assert main(["log", "plot", str(path)]) == 2
-    assert "is the record itself" in capsys.readouterr().err
+    assert "is the record itself" in refused("log", "plot", str(path))
     assert path.read_bytes() == before
 
 
-def test_a_picture_of_many_messages_takes_seconds(tmp_path):
+def test_a_picture_of_many_messages_takes_seconds(tmp_path, run):
     """It took a step for each pair of messages: 480 million of these 22 000, which are half a minute's work alone."""
     path = mcap(tmp_path / "x.mcap", drive(2000))
     began_s = time.process_time()
-    assert main(["log", "plot", str(path)]) == 0
+    assert run("log", "plot", str(path))[0] == 0
     assert time.process_time() - began_s < 15
 
 

@@ -12,7 +12,6 @@ import threading
 
 import pytest
 
-from host.cli import main
 from host.records import recorder as recorder_module
 from host.records.channels import CHANNELS, DRAWN, schema
 from host.records.export import export_csv
@@ -264,31 +263,27 @@ def test_csv_quotes_what_needs_it(tmp_path):
     assert csv_text(read_record(path), "/state", tmp_path) == 'time_s,state,reason\n0.000000,walking,"a, ""b"""\n'
 
 
-def test_commands(drive, tmp_path, capsys):
-    assert main(["log", "info", str(drive), "--json"]) == 0
-    facts = json.loads(capsys.readouterr().out)
-    assert (facts["robot"], facts["whole"], facts["missed"]) == ("caramelo", True, 0)
-    assert main(["log", "info", str(drive)]) == 0
-    assert "walking" in capsys.readouterr().out
-    assert main(["log", "replay", str(drive), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out) == {
+def test_commands(drive, tmp_path, run, run_json, refused):
+    code, facts, _ = run_json("log", "info", str(drive))
+    assert (code, facts["robot"], facts["whole"], facts["missed"]) == (0, "caramelo", True, 0)
+    assert "walking" in run("log", "info", str(drive))[1]
+    assert run_json("log", "replay", str(drive))[:2] == (0, {
         "ok": True, "ticks": TICKS, "difference": "", "same_core": True, "whole": True,
-    }  # fmt: skip
-    assert main(["log", "export", "csv", str(drive), "--out", str(tmp_path / "csv")]) == 0
+    })  # fmt: skip
+    assert run("log", "export", "csv", str(drive), "--out", str(tmp_path / "csv"))[0] == 0
     assert (tmp_path / "csv" / "planner.csv").exists()
-    assert main(["log", "plot", str(drive), "--out", str(tmp_path / "x.png")]) == 0
+    assert run("log", "plot", str(drive), "--out", str(tmp_path / "x.png"))[0] == 0
     assert (tmp_path / "x.png").read_bytes().startswith(b"\x89PNG")
-    assert main(["log", "info", str(tmp_path / "none.mcap")]) == 2
+    refused("log", "info", str(tmp_path / "none.mcap"))
 
 
-def test_a_command_says_if_a_part_of_the_record_is_missing(drive, tmp_path, capsys):
+def test_a_command_says_if_a_part_of_the_record_is_missing(drive, tmp_path, run_json):
     data, path = drive.read_bytes(), tmp_path / "cut.mcap"
     path.write_bytes(data[: len(data) // 2])
-    assert main(["log", "replay", str(path), "--json"]) == 0
-    told = capsys.readouterr()
-    assert json.loads(told.out)["whole"] is False
+    code, told, err = run_json("log", "replay", str(path))
+    assert (code, told["whole"]) == (0, False)
     length_s = read_record(path).duration_s
-    assert told.err == f"caramelo: {path}: cut off or damaged after {length_s:.1f} s: read up to there\n"
+    assert err == f"caramelo: {path}: cut off or damaged after {length_s:.1f} s: read up to there\n"
 
 
 @pytest.mark.parametrize("seconds", [0.3, 1.1])

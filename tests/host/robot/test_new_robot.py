@@ -27,12 +27,6 @@ def options(answers):
     return [word for name, value in answers.items() for word in (f"--{name}", str(value))]
 
 
-def line_of(err):
-    """Return the only line on stderr, without the command's name."""
-    assert err.count("\n") == 1
-    return err.removeprefix("caramelo: ")[:-1]
-
-
 @pytest.fixture
 def new(run, monkeypatch, tmp_path):
     """Run the command with options and with what a person types; return exit code, stdout, stderr and the file."""
@@ -147,10 +141,9 @@ def test_nobody_answers(new):
         ({"height": 0.5}, "these answers do not go together: stance.rest_height_m: value 0.5: allowed: within"),
     ],
 )
-def test_wrong_options_are_one_line_and_write_nothing(new, change, words):
-    code, out, err, path = new(*options(BIG | change))
-    assert (code, out) == (2, "")
-    assert words in line_of(err)
+def test_wrong_options_are_one_line_and_write_nothing(refused, tmp_path, change, words):
+    path = tmp_path / "new.toml"
+    assert words in refused("robots", "new", str(path), *options(BIG | change))
     assert not path.exists()
 
 
@@ -171,21 +164,19 @@ def test_a_robot_too_weak_is_written_and_told(new, trunk_kg):
     assert load_robot(str(path)).name == "mine"
 
 
-def test_a_file_that_is_there_stays(new, tmp_path):
+def test_a_file_that_is_there_stays(new, refused, tmp_path):
     path = tmp_path / "new.toml"
     path.write_text("mine\n")
-    code, _, err, _ = new("--defaults")
-    assert code == 2
-    assert line_of(err) == f"{path}: the file exists: name another, or overwrite it with --force"
+    line = refused("robots", "new", str(path), "--defaults")
+    assert line == f"caramelo: {path}: the file exists: name another, or overwrite it with --force\n"
     assert path.read_text() == "mine\n"
     assert new("--defaults", "--force")[0] == 0
     assert load_robot(str(path)).name == "mine"
 
 
-def test_a_name_that_is_no_file_for_a_robot(run, tmp_path):
-    code, _, err = run("robots", "new", str(tmp_path / "new.txt"), "--defaults")
-    assert code == 2
-    assert line_of(err).endswith("new.txt: give a file that ends in .toml")
+def test_a_name_that_is_no_file_for_a_robot(refused, tmp_path):
+    line = refused("robots", "new", str(tmp_path / "new.txt"), "--defaults")
+    assert line.endswith("new.txt: give a file that ends in .toml\n")
 
 
 def test_a_model_that_would_break_the_file(new):

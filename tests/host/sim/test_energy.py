@@ -1,11 +1,11 @@
 """What the drives draw: a data sheet's power at stall, mechanical power, none back from braking, the rod's ratio."""
 
+import numpy as np
 import pytest
 
 from host.robot.file import load_robot
 from host.sim.energy import mean_power_W
 
-np = pytest.importorskip("numpy")
 ROBOT = load_robot("caramelo")
 
 

@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import pytest
 
-pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
-
 from host.robot.file import load_robot
 from host.sim.grounds import NAMES, ONLY_SPACE, GroundSpec, make_ground, make_terrain
 from host.sim.walk import Push, WalkSpec, run_walk

@@ -1,11 +1,7 @@
 """`caramelo walk`: its verdict is on the command, every walk prints its table, and a torque is told once."""
 
-import json
-
 import numpy as np
 import pytest
-
-pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
 
 from host.robot.file import load_robot, robot_names
 from host.sim.grounds import GroundSpec
@@ -45,11 +41,10 @@ def test_a_crawl_that_rests_in_between_feels_that_it_stands(speed_m_s):
     assert run_walk(WalkSpec(CARAMELO, "crawl", speed_m_s, distance_m=0.3)).outcome.ok
 
 
-def test_a_gait_by_its_former_name_is_told_its_name_of_today(run):
+def test_a_gait_by_its_former_name_is_told_its_name_of_today(refused):
     for former, name in (("adaptive", "trot"), ("climb", "crawl")):
-        code, out, err = run("walk", "--gait", former)
-        assert (code, out) == (2, "")
-        assert err.endswith(f"--gait {former}: gait '{former}' is now called '{name}'\n")
+        line = refused("walk", "--gait", former)
+        assert line.endswith(f"--gait {former}: gait '{former}' is now called '{name}'\n")
 
 
 def test_a_walk_that_ends_early_prints_its_table(run):
@@ -62,14 +57,13 @@ def test_a_walk_that_ends_early_prints_its_table(run):
     assert "not advised" in out
 
 
-def test_a_command_beyond_the_robots_limit_is_told_and_not_achieved(run):
-    code, out, _ = run("walk", "--speed", "0.5", "--distance", "0.3", "--json")
-    told = json.loads(out)
+def test_a_command_beyond_the_robots_limit_is_told_and_not_achieved(run_json):
+    code, told, _ = run_json("walk", "--speed", "0.5", "--distance", "0.3")
     assert code == 1
     assert told["ok"] is False
     assert told["limited"] == "limited to 0.3 m/s by speed_limits.vx_m_s"
     assert told["reason"].endswith("but 0.5 m/s was limited to 0.3 m/s by speed_limits.vx_m_s")
-    assert run("walk", "--distance", "0.3", "--json")[0] == 0
+    assert run_json("walk", "--distance", "0.3")[0] == 0
 
 
 def test_the_stride_limits_slow_gaits():

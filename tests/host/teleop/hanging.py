@@ -4,7 +4,6 @@ import contextlib
 import os
 import signal
 import time
-from pathlib import Path
 
 from host.bus.dynamixel.calibration.data import nominal, save_calibration
 from host.commands.teleop import END_MOST_S
@@ -14,6 +13,7 @@ from host.robot.file import load_robot
 from host.sim.servos.process import Emulator
 from host.util.errors import UserError
 from tests.host.control.rig import STILL
+from tests.processes import child_of
 from tests.waiting import wait_until
 
 # Read by every Python that starts with this folder in its path: fsync does not return while the file is there.
@@ -91,16 +91,6 @@ class Drive(Watched):
         began_s = time.monotonic() if began_s is None else began_s
         wait_until(lambda: not self.holds(), "the robot is let go", every_s=0.001)
         return time.monotonic() - began_s
-
-
-def child_of(process, words):
-    """Return the child of a process whose command line holds some words."""
-    for folder in Path("/proc").glob("[0-9]*"):
-        with contextlib.suppress(OSError):
-            parent = int((folder / "stat").read_text().rpartition(")")[2].split()[1])
-            if parent == process and words in (folder / "cmdline").read_text().replace("\0", " "):
-                return int(folder.name)
-    raise LookupError(f"{process} has no child {words}")
 
 
 @contextlib.contextmanager

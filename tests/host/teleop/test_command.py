@@ -10,6 +10,7 @@ import select
 import signal
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -19,54 +20,33 @@ from host.records.reader import read_record
 from host.robot.file import load_robot
 from host.teleop.measure import Measure
 from tests.host.control.rig import Rig
-from tests.interrupts import hear_signals
+from tests.processes import hear_signals
 from tests.waiting import PATIENCE_S, wait_until
 
 TELEOP = [sys.executable, "-m", "host.cli", "teleop"]
 
 
-class Measurement:
-    """The command that measures, in a process of its own."""
-
-    def __init__(self, *options):
-        self._command = [*TELEOP, "--sim", *options, "--json"]
-        self._start()
-
-    def _start(self):
-        self.process = subprocess.Popen(self._command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-
-    def figures(self):
-        """Return them; on a machine so busy that an emulated servo does not answer at the start, try again."""
-        for _ in range(2):
-            out, error = self.process.communicate(timeout=PATIENCE_S)
-            if out:
-                return json.loads(out)
-            assert "caramelo: " in error
-            self._start()
-        return json.loads(self.process.communicate(timeout=PATIENCE_S)[0])
+def measured(robot):
+    """Return figures and exit code; on a machine so busy that no emulated servo answers at the start, try again."""
+    command = [*TELEOP, "--sim", "--robot", robot, "--measure", "2", "--json"]
+    for _ in range(3):
+        done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE_S)
+        if done.stdout:
+            return json.loads(done.stdout), done.returncode
+        assert "caramelo: " in done.stderr
+    raise AssertionError(done.stderr)
 
 
-@pytest.fixture(scope="module")
-def measurements():
-    """Measurements of two robots at once; each takes eight seconds, in which it mostly waits."""
-    both = {"caramelo": Measurement("--measure", "2"), "parallel": Measurement("--robot", "parallel", "--measure", "1")}
-    yield both
-    for measurement in both.values():
-        measurement.process.kill()
-        measurement.process.communicate(timeout=PATIENCE_S)
-
-
-def test_measure_prints_figures(measurements):
-    figures = measurements["caramelo"].figures()
+def test_measure_prints_figures():
+    """Of two robots at once: each takes eight seconds, in which it mostly waits."""
+    with ThreadPoolExecutor() as both:
+        (figures, code), (brushless, _) = both.map(measured, ("caramelo", "parallel"))
+    assert brushless["robot"] == "parallel"
     assert figures["bus"] == "servos"
     assert figures["late_ms"]["p50"] < 100
-    assert measurements["caramelo"].process.returncode == (1 if figures["missed"] or figures["failure"] else 0)
+    assert code == (1 if figures["missed"] or figures["failure"] else 0)
     if not figures["failure"]:  # on a machine that is too busy the servos' watchdog lets go
         assert figures["ticks"] >= 50
-
-
-def test_brushless_robots_drive_too(measurements):
-    assert measurements["parallel"].figures()["robot"] == "parallel"
 
 
 @pytest.mark.parametrize(
@@ -205,7 +185,7 @@ def test_a_drive_in_the_terminal(terminal):
     assert terminal.process.wait(PATIENCE_S) == 0
 
 
-def test_sigterm_sits_down_before_it_ends(tmp_path):
+def test_sigterm_ends_a_measurement_once_the_robot_sits(tmp_path):
     path = tmp_path / "x.mcap"
     options = ["--sim", "--direct", "--measure", "60", "--log", str(path)]
     process = subprocess.Popen([*TELEOP, *options], stdout=subprocess.PIPE, text=True)

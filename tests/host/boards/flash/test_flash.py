@@ -138,23 +138,21 @@ def test_a_computer_that_went_before_it_confirmed_tries_again(board):
     assert (outcome.slot, outcome.version) == ("b", "3")
 
 
-def test_motor_supply_must_be_off(tmp_path):
-    with PretendBoard(tmp_path / "board", make(supply=24000)) as board:
+@pytest.mark.parametrize(
+    ("state", "words"),
+    [
+        ({"supply": 24000}, r"the motor supply is on, 24\.0 V: switch it off"),
+        ({"armed": True}, "the joint is armed"),
+    ],
+)
+def test_a_board_that_may_move_something_is_not_updated(tmp_path, state, words):
+    with PretendBoard(tmp_path / "board", make(**state)) as board:
         assert board.wait_for(b"running 1")
         before = contents(board)
-        with pytest.raises(UserError, match=r"the motor supply is on, 24\.0 V: switch it off"):
+        with pytest.raises(UserError, match=words):
             put(board, make("2"))
         assert contents(board) == before
         assert board.wait_for(b"running 1")
-
-
-def test_an_armed_joint_is_not_updated(tmp_path):
-    with PretendBoard(tmp_path / "board", make(armed=True)) as board:
-        assert board.wait_for(b"running 1")
-        before = contents(board)
-        with pytest.raises(UserError, match="the joint is armed"):
-            put(board, make("2"))
-        assert contents(board) == before
 
 
 def test_an_image_for_another_board_or_of_another_protocol_is_refused(board):

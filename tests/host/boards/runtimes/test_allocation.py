@@ -4,9 +4,9 @@ import pytest
 
 from host.boards.runtimes import Unix, Wasi
 from host.lab.parity.figures import allocations
+from host.lab.parity.table import rows_of
 from tests.marks import NEEDS_UNIX
 
-from .frames import LARGEST_ON_STACK, deepest_frames, own_frames
 from .plant import plant
 
 
@@ -14,18 +14,6 @@ def test_nothing_of_a_tick_takes_memory_in_bytecode(bytecode, bound):
     ticks = {name: row for name, row in bytecode.items() if bound[name].ticks}
     assert len(ticks) > 100
     assert [name for name, row in ticks.items() if row.kept or not row.locked] == []
-
-
-@NEEDS_UNIX
-def test_only_frames_of_more_than_11_words_come_from_the_heap(bytecode, bound, sources, tmp_path):
-    """And go back to it: mem_total counts them, nothing else. Small functions move it by 0."""
-    frames = own_frames(sources, tmp_path)
-    deepest = deepest_frames(sources, frames)
-    by_name = {path.removeprefix("shared/").replace("/", ".").replace(".py:", "."): n for path, n in deepest.items()}
-    ticks = {name: row for name, row in bytecode.items() if bound[name].ticks and bound[name].name in by_name}
-    unexplained = [n for n, row in ticks.items() if row.total and by_name[bound[n].name] <= LARGEST_ON_STACK]
-    assert unexplained == []
-    assert sum(row.total == 0 for row in ticks.values()) > 50
 
 
 def takers(found, bound):
@@ -40,6 +28,14 @@ def test_viper_code_takes_no_byte_for_frames_either(viper, bound):
 @NEEDS_UNIX
 def test_native_code_takes_no_byte_for_frames_either(sources, tmp_path, bound):
     assert takers(allocations(Unix("native"), sources, tmp_path), bound) == {}
+
+
+@NEEDS_UNIX
+def test_every_function_of_a_tick_has_a_row_in_the_table_of_memory(largest, bound, bytecode, viper):
+    rows = rows_of(largest, bound, bytecode, viper)
+    assert {row.name for row in rows} == {name for name in largest if bound[name].ticks}
+    assert [row for row in rows if row.kept or row.viper] == []
+    assert all(row.bits <= 30 for row in rows)
 
 
 @pytest.mark.parametrize("gait", ["paper-trot", "trot", "crawl"])

@@ -1,19 +1,9 @@
 """caramelo firmware, parity and bench: exit codes, one JSON object, one line for wrong use."""
 
-import json
-
 import pytest
 
-from host.cli import main
 from host.commands import parity as command
 from host.lab.parity import sources as gathering
-
-
-def run_json(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict]:
-    code = main([*arguments, "--json"])
-    lines = capsys.readouterr().out.splitlines()
-    assert len(lines) == 1
-    return code, json.loads(lines[0])
 
 
 @pytest.fixture
@@ -22,8 +12,8 @@ def quick(few, monkeypatch):
     monkeypatch.setattr(gathering, "gather", lambda work: few)
 
 
-def test_parity_reports_each_runtime(capsys, quick):
-    code, found = run_json(capsys, "parity", "--runtime", "wasi-bytecode", "--vectors", "8")
+def test_parity_reports_each_runtime(run_json, quick):
+    code, found, _ = run_json("parity", "--runtime", "wasi-bytecode", "--vectors", "8")
     assert code == 0
     assert found["identical"] is True
     assert found["vectors"] > 0
@@ -33,11 +23,11 @@ def test_parity_reports_each_runtime(capsys, quick):
     assert found["runtimes"][0]["digest"] == found["runtimes"][1]["digest"]
 
 
-def test_parity_exits_1_if_a_runtime_fails(capsys, quick, monkeypatch):
+def test_parity_exits_1_if_a_runtime_fails(run_json, quick, monkeypatch):
     from host.boards.runtimes import Wasi
 
     monkeypatch.setattr(Wasi, "execute", lambda self, tree, script: "not an answer")
-    code, found = run_json(capsys, "parity", "--runtime", "wasi-bytecode", "--vectors", "8")
+    code, found, _ = run_json("parity", "--runtime", "wasi-bytecode", "--vectors", "8")
     assert code == 1
     assert found["identical"] is False
     assert "no answer" in found["differences"][0]
@@ -51,17 +41,14 @@ def test_parity_exits_1_if_a_runtime_fails(capsys, quick, monkeypatch):
         (("--memory", "--runtime", "cpython"), "--memory: goes without --runtime, --port and --coverage"),
     ],
 )
-def test_wrong_use_is_told_before_anything_runs(capsys, arguments, words):
-    assert main(["parity", *arguments]) == 2
-    told = capsys.readouterr().err
-    assert words in told
-    assert told.count("\n") == 1
+def test_wrong_use_is_told_before_anything_runs(refused, arguments, words):
+    assert words in refused("parity", *arguments)
 
 
-def test_memory_tells_what_it_does_and_leaves_stdout_to_the_result(capsys, quick, monkeypatch):
+def test_memory_tells_what_it_does_and_leaves_stdout_to_the_result(run, quick, monkeypatch):
     monkeypatch.setattr("host.lab.parity.table.measure_rows", lambda sources, work: [])
-    assert main(["parity", "--memory", "--json"]) == 0
-    assert capsys.readouterr() == ('{"functions": []}\n', "memory: 1 of 1: every function in two VMs\n")
+    told = "memory: 1 of 1: every function in two VMs\n"
+    assert run("parity", "--memory", "--json") == (0, '{"functions": []}\n', told)
 
 
 def test_the_board_comes_only_with_a_port():

@@ -15,7 +15,6 @@ from host.boards.build import board_image, toolchain
 from host.boards.build.dfu import dfu_file, hex_file, parts
 from host.boards.build.image_budget import BUDGET, ROWS, over_budget, rows
 from host.boards.build.image_file import make_image, read_image_file, write_image_file
-from host.cli import main
 from host.util.errors import UserError
 
 LOADER = bytes(range(256)) * 3
@@ -120,29 +119,26 @@ def test_what_keeps_to_the_budget_is_not_told_and_a_byte_more_is():
 
 
 @pytest.mark.parametrize(("more", "code"), [(0, 0), (1, 1)])
-def test_the_command_writes_the_files_and_fails_over_budget(capsys, tmp_path, monkeypatch, more, code):
+def test_the_command_writes_the_files_and_fails_over_budget(run, run_json, tmp_path, monkeypatch, more, code):
     measured = {**MEASURED["joint"], "frozen": MEASURED["joint"]["frozen"] + more}
     built = board_image.Built(image(), measured)
     monkeypatch.setattr(board_image, "build_board_image", lambda *arguments: built)
     command = ["firmware", "image", "--micropython", str(tmp_path), "--role", "joint", "--out", str(tmp_path / "out")]
-    assert main([*command, "--json"]) == code
-    answer = json.loads(capsys.readouterr().out)
-    assert (answer["images"]["joint"]["bytes"], len(answer["over_budget"])) == (measured, more)
+    got, answer, _ = run_json(*command)
+    assert (got, answer["images"]["joint"]["bytes"], len(answer["over_budget"])) == (code, measured, more)
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["joint.caramelo", "joint.dfu", "joint.hex"]
     assert read_image_file(tmp_path / "out/joint.caramelo") == image()
-    assert main(command) == code
-    assert "CARAMELO_JOINT, version 0.1.0" in capsys.readouterr().out
+    got, out, _ = run(*command)
+    assert got == code
+    assert "CARAMELO_JOINT, version 0.1.0" in out
 
 
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [(("--role", "cook"), "--role cook: allowed joint, gait"), ((), "no sources of MicroPython")],
 )
-def test_wrong_use_is_one_line(capsys, tmp_path, arguments, words):
-    assert main(["firmware", "image", "--micropython", str(tmp_path / "none"), *arguments]) == 2
-    error = capsys.readouterr().err
-    assert words in error
-    assert error.count("\n") == 1
+def test_wrong_use_is_one_line(refused, tmp_path, arguments, words):
+    assert words in refused("firmware", "image", "--micropython", str(tmp_path / "none"), *arguments)
 
 
 def test_pins_are_named_once_and_are_those_that_the_chip_has():

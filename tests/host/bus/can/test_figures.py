@@ -1,11 +1,8 @@
 """Figures of the host's side: codec, load, what a cycle costs, speed over CAN beside direct control."""
 
-import json
-
 import pytest
 
 from host.bus.can.host_loops import SETPOINTS
-from host.cli import main
 from host.commands.joints.spark import Curves, spark
 from host.lab.joints import figures
 from host.robot.file import load_robot
@@ -29,17 +26,18 @@ def test_a_cycle_of_twelve_joints_costs_about_a_millisecond(kind):
     assert figures.cycle_s(load_robot("parallel"), kind) < 10e-3
 
 
-def test_the_command_prints_every_figure(capsys, monkeypatch):
+def test_the_command_prints_every_figure(run, run_json, monkeypatch):
     made = figures.Figure("what", "at most 1", "0.5", True)
     for name in ("codec_figure", "speed_figure"):
         monkeypatch.setattr(figures, name, lambda *given: made)
     for name in ("load_figures", "cycle_figures"):
         monkeypatch.setattr(figures, name, lambda *given: [made, made])
-    assert main(["joints", "figures", "--json"]) == 0
-    assert len(json.loads(capsys.readouterr().out)["figures"]) == 6
+    code, found, _ = run_json("joints", "figures")
+    assert (code, len(found["figures"])) == (0, 6)
     monkeypatch.setattr(figures, "speed_figure", lambda *given: figures.Figure("what", "within 5 %", "8 %", False))
-    assert main(["joints", "figures"]) == 1
-    assert "NO" in capsys.readouterr().out
+    code, out, _ = run("joints", "figures")
+    assert code == 1
+    assert "NO" in out
 
 
 def test_curves_show_what_changes():

@@ -2,6 +2,7 @@
 
 import json
 import threading
+from functools import partial
 
 import pytest
 
@@ -18,12 +19,11 @@ from tests.waiting import PATIENCE_S
 @pytest.fixture
 def joints(run):
     """Run one of the commands; return exit code, stdout, stderr."""
-    return lambda *words: run("joints", *words)
+    return partial(run, "joints")
 
 
-def test_scan_lists_twelve_boards(joints):
-    code, out, _ = joints("scan", "--sim", "--json")
-    found = json.loads(out)
+def test_scan_lists_twelve_boards(run_json):
+    code, found, _ = run_json("joints", "scan", "--sim")
     assert code == 0
     assert [board["node"] for board in found["boards"]] == list(range(1, 13))
     assert found["wrong"] == []
@@ -60,27 +60,24 @@ def test_what_is_done_is_said(joints, words, said):
         ("sim --robot caramelo --seconds 0.1", "no joints on CAN"),
     ],
 )
-def test_what_is_refused_is_said(joints, words, said):
-    code, _, err = joints(*words.split())
-    assert code == 2
-    assert said in err
+def test_what_is_refused_is_said(refused, words, said):
+    assert said in refused("joints", *words.split())
 
 
-def test_parameters_are_read_in_their_units(joints):
-    code, out, _ = joints("params", "get", "5", "node_id", "gear_q8", "--sim", "--json")
-    assert code == 0
-    assert json.loads(out)["parameters"] == {"node_id": 5.0, "gear_q8": 22.0}
+def test_parameters_are_read_in_their_units(run_json):
+    code, found, _ = run_json("joints", "params", "get", "5", "node_id", "gear_q8", "--sim")
+    assert (code, found["parameters"]) == (0, {"node_id": 5.0, "gear_q8": 22.0})
 
 
-def test_parameters_go_to_a_file_and_back(joints, tmp_path):
+def test_parameters_go_to_a_file_and_back(joints, run_json, tmp_path):
     path = tmp_path / "joint5.json"
     code, out, _ = joints("params", "save", "5", "--file", str(path), "--sim")
     assert code == 0
     values = json.loads(path.read_text())
     assert values["parameters"]["has_joint_encoder"] == 0
     assert "node_id" not in values["parameters"]
-    code, out, _ = joints("params", "diff", "6", "--file", str(path), "--sim", "--json")
-    different = {row["parameter"]: (row["raw"], row["wanted"]) for row in json.loads(out)["different"]}
+    _, found, _ = run_json("joints", "params", "diff", "6", "--file", str(path), "--sim")
+    different = {row["parameter"]: (row["raw"], row["wanted"]) for row in found["different"]}
     assert different["has_joint_encoder"] == (1, 0)
     code, out, _ = joints("params", "restore", "6", "--file", str(path), "--sim")
     assert code == 0
@@ -96,36 +93,33 @@ def test_parameters_go_to_a_file_and_back(joints, tmp_path):
         ('{"protocol": "HASH", "parameters": {"gear_q8": 1}}', "gear_q8: 0.00390625: allowed 1 to"),
     ],
 )
-def test_a_parameter_file_that_is_wrong_is_named(joints, tmp_path, text, words):
+def test_a_parameter_file_that_is_wrong_is_named(refused, tmp_path, text, words):
     path = tmp_path / "wrong.json"
     path.write_text(text.replace("HASH", f"{PROTOCOL_HASH:#06x}"))
-    code, _, err = joints("params", "restore", "6", "--file", str(path), "--sim")
-    assert code == 2
-    assert words in err
+    assert words in refused("joints", "params", "restore", "6", "--file", str(path), "--sim")
 
 
-def test_busload_prints_the_schedule(joints):
-    code, out, _ = joints("busload", "--json")
-    total = json.loads(out)["buses"][0]["rows"][-1]
+def test_busload_prints_the_schedule(joints, run_json):
+    code, found, _ = run_json("joints", "busload")
     assert code == 0
-    assert total["worst_share"] <= 0.40
+    assert found["buses"][0]["rows"][-1]["worst_share"] <= 0.40
     assert joints("busload", "--rate", "400")[0] == 1
     code, out, _ = joints("busload", "--rate", "400", "--buses", "2")
     assert code == 0
     assert [out.count(words) for words in ("nodes 1 to 6, 400 Hz", "nodes 7 to 12, 400 Hz", "total")] == [1, 1, 2]
 
 
-def test_dbc_is_written_whole_to_the_terminal_or_a_file(joints, tmp_path):
+def test_dbc_is_written_whole_to_the_terminal_or_a_file(joints, run_json, tmp_path):
     code, out, _ = joints("dbc")
     assert code == 0
     assert {m.name for m in parse(out)} > {"heartbeat_FR_hip", "setpoint_position_2", "e_stop"}
     path = tmp_path / "joints.dbc"
-    assert json.loads(joints("dbc", "--out", str(path), "--json")[1])["bytes"] == len(out)
+    assert run_json("joints", "dbc", "--out", str(path))[1]["bytes"] == len(out)
     assert path.read_text() == out
     assert joints("dbc", "--json")[0] == 2
 
 
-def test_monitor_records(joints, tmp_path):
+def test_monitor_records(joints, refused, tmp_path):
     path = tmp_path / "joints.jsonl"
     code, out, _ = joints("monitor", "--sim", "--seconds", "0.3", "--out", str(path))
     assert (code, out.count("RL calf"), out[-1]) == (0, 1, "\n"), "in a file the last table alone"
@@ -133,9 +127,8 @@ def test_monitor_records(joints, tmp_path):
     assert len(lines) >= 3
     assert len(lines[0]["joints"]) == 12
     before = path.read_bytes()
-    code, _, err = joints("monitor", "--sim", "--seconds", "0.3", "--out", str(path))
-    assert (code, err.count("\n")) == (2, 1)
-    assert "the file exists: name another" in err
+    line = refused("joints", "monitor", "--sim", "--seconds", "0.3", "--out", str(path))
+    assert "the file exists: name another" in line
     assert path.read_bytes() == before, "a record is never overwritten"
 
 
@@ -147,15 +140,15 @@ def shared_bus():
     sim.close()
 
 
-def test_joints_behind_a_bus_answer_as_real_ones_and_faults_are_told(joints, shared_bus):
+def test_joints_behind_a_bus_answer_as_real_ones_and_faults_are_told(run_json, shared_bus):
     shared_bus.inject("under-voltage:4@0.01")
     shared_bus.inject("e-stop:6@0.02")
     thread = threading.Thread(target=shared_bus.run, args=(10.0,), daemon=True)
     thread.start()
     stopped, volts = set(), {}
     while thread.is_alive() and not (len(stopped) == 12 and 3 in volts):
-        code, out, _ = joints("status", "--interface", "virtual", "--channel", "caramelo-gateway", "--json")
-        rows = json.loads(out)["joints"]
+        code, found, _ = run_json("joints", "status", "--interface", "virtual", "--channel", "caramelo-gateway")
+        rows = found["joints"]
         stopped |= {i for i, row in enumerate(rows) if "emergency" in row["fault"] or i in (3, 5)}
         volts |= {i: row["bus_V"] for i, row in enumerate(rows) if row.get("bus_V")}
     shared_bus.stopping = True
@@ -176,23 +169,22 @@ def without_a_joint(shared_bus):
     thread.join(PATIENCE_S)
 
 
-def test_disarming_is_not_done_before_every_joint_has_confirmed_it(joints, without_a_joint):
-    code, out, err = joints("disarm", *without_a_joint)
-    assert (code, out) == (1, "")
-    assert "not confirmed to have let go: FL thigh (node 5): check power" in err
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        ("disarm", "not confirmed to have let go: FL thigh (node 5): check power"),
+        ("clear", "FL thigh (node 5) is not there"),
+    ],
+)
+def test_a_joint_that_is_silent_is_not_taken_for_one_that_has_obeyed(refused, without_a_joint, command, words):
+    assert words in refused("joints", command, *without_a_joint, code=1)
 
 
-def test_no_fault_is_latched_is_not_said_of_a_joint_that_is_silent(joints, without_a_joint):
-    code, out, err = joints("clear", *without_a_joint)
-    assert (code, out) == (1, "")
-    assert "FL thigh (node 5) is not there" in err
-
-
-def test_parameters_that_no_file_takes_are_not_saved_either(joints, tmp_path, monkeypatch):
+def test_parameters_that_no_file_takes_are_not_saved_either(refused, tmp_path, monkeypatch):
     asked = []
     monkeypatch.setattr("host.bus.can.service.Requests.demand", lambda self, node, command, *_: asked.append(command))
     monkeypatch.setattr("host.bus.can.params.read_kept", lambda requests, node: {})
-    assert joints("params", "save", "5", "--sim", "--file", str(tmp_path))[0] == 2
+    refused("joints", "params", "save", "5", "--sim", "--file", str(tmp_path))
     assert asked == []
 
 

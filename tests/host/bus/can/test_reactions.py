@@ -121,8 +121,9 @@ def test_what_keeps_the_robot_from_being_armed(seated, spoil, words):
     [
         (lambda sim: add_twin(sim, 5), 0.5, "duplicate", 5),
         (lambda sim: sim.joints[7].power_cycle(), 0.3, "reset", 8),
+        (lambda sim: power_off(sim, [9]), 0.3, "silent", 9),
     ],
-    ids=["twin", "reset"],
+    ids=["twin", "reset", "silent"],
 )
 def test_what_makes_all_joints_damp_that_hold_the_robot(seated, spoil, seconds, what, node):
     """The joint is named, all joints brake and then let go, and stay so."""
@@ -133,6 +134,7 @@ def test_what_makes_all_joints_damp_that_hold_the_robot(seated, spoil, seconds, 
     seated.go(seconds, mode="stand")
     assert what in {notice.what for notice in seated.notices}
     assert {notice.node for notice in seated.notices} == {node}
+    assert all(f"(node {node})" in notice.sentence for notice in seated.notices)
     assert seated.bus.cycle.reaction == "damp"
     assert not seated.bus.cycle.armed
     seated.bus.run_for(1.0)

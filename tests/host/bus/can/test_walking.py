@@ -2,8 +2,6 @@
 
 import pytest
 
-from host.bus.can.load import busload, default_schedule
-from host.sim.joints.sim_robot import power_off
 from host.util.errors import UserError
 from shared.joint.faults import FAULT_EMERGENCY_STOP, FAULT_WATCHDOG
 from shared.joint.layout import TORQUE_DAMP, TORQUE_OFF
@@ -76,33 +74,6 @@ def test_an_emergency_stop_from_any_node_takes_the_torque_within_20_ms(standing,
         standing.bus.torque(True)
 
 
-def test_after_a_stop_it_walks_again_only_when_cleared_and_armed_anew(standing):
-    standing.bus.emergency_stop()
-    standing.bus.run_for(3.0)
-    standing.bus.clear_faults()
-    assert standing.sim.torque_free
-    standing.bus.torque(True)
-    assert not standing.sim.torque_free
-
-
-def test_a_joint_that_is_power_cycled_while_walking_is_named_and_all_damp(standing):
-    standing.go(1.0)
-    standing.sim.at(100, standing.sim.joints[4].power_cycle)
-    standing.go(0.8)
-    assert standing.bus.cycle.reaction == "damp"
-    assert any("FL thigh (node 5)" in notice.sentence for notice in standing.notices)
-    assert set(states(standing, "torque")) <= {TORQUE_DAMP, TORQUE_OFF}
-
-
-def test_a_joint_that_falls_silent_makes_all_damp(standing):
-    standing.sim.at(10, lambda: power_off(standing.sim, [9]))
-    standing.go(0.3)
-    assert {notice.what for notice in standing.notices} == {"silent"}
-    assert [notice.node for notice in standing.notices] == [9]
-    standing.sim.advance_ms(700)
-    assert standing.sim.torque_free
-
-
 @pytest.mark.parametrize("identifier", [0x7F0, 0x07F])
 def test_a_babbling_node_ends_in_torque_off_or_does_not_matter(standing, identifier):
     """With the lowest priority it only fills gaps; with a priority above SYNC nobody else can speak: watchdog."""
@@ -117,17 +88,3 @@ def test_a_babbling_node_ends_in_torque_off_or_does_not_matter(standing, identif
     assert standing.sim.torque_free
     assert standing.bus.cycle.reaction == "damp"
     assert standing.port.counters.full > 0  # its own frames found no room: counted, not fatal
-
-
-def test_the_bus_is_loaded_as_busload_says(standing):
-    """Within 1 % of the frames really sent, over the schedule's typical payloads and over its worst."""
-    bus = standing.sim.bus
-    frames = []
-    bus.log = lambda time_us, identifier, data: frames.append((identifier, data))
-    bits, start_us = bus.bits, bus.now_us
-    standing.go(2.0)
-    share = (bus.bits - bits) / (bus.now_us - start_us)
-    total = busload(default_schedule(standing.robot.bus.rate_hz))[-1]
-    assert share == pytest.approx(total.typical_share, rel=0.01)
-    assert share < total.worst_share <= 0.40
-    assert len(frames) == pytest.approx(2.0 * total.frames_per_s, rel=0.01)

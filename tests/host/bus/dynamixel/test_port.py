@@ -26,7 +26,7 @@ from host.sim.servos.packets import framing
 from host.sim.servos.process import Emulator
 from host.util.errors import UserError
 from tests import ROOT
-from tests.host.teleop.hanging import child_of
+from tests.processes import child_of
 from tests.waiting import PATIENCE_S, wait_until
 
 from .rig import CARAMELO, PERIOD_S
@@ -225,10 +225,9 @@ def test_a_slow_adapter_is_warned_about_with_the_remedy(tmp_path, monkeypatch):
     assert latency_warning("/dev/ttyUSB0") is None
 
 
-def test_a_lost_answer_costs_little_time():
+def test_a_lost_answer_costs_little_time(silent_port):
     """Less than the SDK's own 34 ms, which is almost two control periods, by far."""
-    ours, theirs = pty.openpty()
-    port = ServoPort(os.ttyname(theirs), BAUD)
+    port = ServoPort(silent_port, BAUD)
     port.open()
     took_s = []
     for _ in range(5):
@@ -236,8 +235,6 @@ def test_a_lost_answer_costs_little_time():
         assert Link(port).read_all([1], (126, 10)) == {}
         took_s.append(time.monotonic() - began_s)
     assert min(took_s) < 0.034
-    os.close(ours)
-    os.close(theirs)
 
 
 def test_renumbering_and_rates(open_port):
@@ -255,10 +252,9 @@ def test_renumbering_and_rates(open_port):
         tools.set_baud(link, 40, 123)
 
 
-def test_an_adapter_that_takes_no_bytes_loses_the_packet_and_no_more():
+def test_an_adapter_that_takes_no_bytes_loses_the_packet_and_no_more(silent_port):
     """A terminal that nobody reads fills up; the packet counts as lost, the adapter is not taken for gone."""
-    ours, theirs = pty.openpty()
-    port = ServoPort(os.ttyname(theirs), BAUD)
+    port = ServoPort(silent_port, BAUD)
     port.open()
     link = Link(port)
     for _ in range(2000):
@@ -267,8 +263,6 @@ def test_an_adapter_that_takes_no_bytes_loses_the_packet_and_no_more():
             break
     assert link.counters.lost == 1
     assert link.read_all([1, 2], (126, 10)) == {}
-    os.close(ours)
-    os.close(theirs)
 
 
 class Babble:

@@ -1,10 +1,7 @@
 """The bench of teleoperation: its rows, and one source measured through the whole command."""
 
-import json
-
 import pytest
 
-from host.cli import main
 from host.lab.teleop import bench
 from host.lab.teleop.watched import Watched
 
@@ -45,10 +42,10 @@ def test_a_fault_on_the_way_up_is_reset_and_it_stands_up_again():
 
 
 @pytest.mark.parametrize(("value", "code"), [(20.0, 0), (31.0, 1)])
-def test_the_command_fails_if_a_figure_is_not_reached(monkeypatch, capsys, value, code):
+def test_the_command_fails_if_a_figure_is_not_reached(monkeypatch, run, run_json, value, code):
     found = bench.Bench([bench.Row("script: stick to packet", value, 30.0, "ms (p99)")], {"page, key": "no browser"})
     monkeypatch.setattr(bench, "run_bench", lambda *arguments: found)
-    assert main(["bench", "--teleop", "--json"]) == code
-    assert json.loads(capsys.readouterr().out) == found.as_dict()
-    assert main(["bench", "--teleop"]) == code
-    assert "page, key: skipped: no browser" in capsys.readouterr().out
+    assert run_json("bench", "--teleop")[:2] == (code, found.as_dict())
+    got, out, _ = run("bench", "--teleop")
+    assert got == code
+    assert "page, key: skipped: no browser" in out

@@ -4,8 +4,6 @@ from dataclasses import replace
 
 import pytest
 
-pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
-
 from host.lab.experiments.trials import PLANE, SPACE, Answer, Trial
 from host.lab.tune.goals import FALL, FINAL_SEEDS, GOALS, OTHER_SEEDS, SEARCHED_SEEDS, ScoredWalk, walks
 from host.robot.file import load_robot, robot_names

@@ -1,6 +1,5 @@
 """Tuning gets back what was spoiled: a robot file whose chosen values are 30 % off, against the file as it was."""
 
-import json
 from itertools import cycle
 
 import pytest
@@ -29,15 +28,14 @@ def spoiled(name, speed, folder):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "goal", "trials"), [("solo12", "speed", 200), ("solo12", "quiet", 56)])
-def test_it_gets_back_what_was_spoiled(run, tmp_path, name, goal, trials):
+def test_it_gets_back_what_was_spoiled(run_json, tmp_path, name, goal, trials):
     bad = spoiled(name, goal == "speed", tmp_path)
     robot = load_robot(name)
     with workers(2) as run_by:
         scores = run_by.run_all(walks(goal, robot, robot.gait.default, "3-D", OTHER_SEEDS, {}), lambda done: None)
     unspoiled = sum(scores) / len(scores)
-    code, out, _ = run("tune", "--robot", str(bad), "--for", goal, "--trials", str(trials), "--jobs", "2",
-                       "--out", str(tmp_path / "tuned.toml"), "--json")
-    found = json.loads(out)
+    code, found, _ = run_json("tune", "--robot", str(bad), "--for", goal, "--trials", str(trials), "--jobs", "2",
+                              "--out", str(tmp_path / "tuned.toml"))
     before, after = (found["other_grounds"][when] for when in ("before", "after"))
     print(f"{name} for {goal}: {unspoiled:.4g}, spoiled {before:.4g}, tuned {after:.4g} {found['unit']}")
     assert code == 0

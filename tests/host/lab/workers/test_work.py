@@ -8,7 +8,7 @@ import pytest
 
 from host.lab.workers.work import Here, workers
 from host.util.errors import UserError
-from tests.children import children_of
+from tests.processes import children_of
 from tests.waiting import wait_until
 
 ADDRESS = "tcp://127.0.0.1:8786"
@@ -49,15 +49,13 @@ def test_one_job_runs_here_and_needs_no_dask(monkeypatch):
     assert heard == [1, 2]
 
 
-def test_without_dask_a_line_says_what_to_install(run, monkeypatch):
+def test_without_dask_a_line_says_what_to_install(refused, monkeypatch):
     for name in [name for name in sys.modules if name.partition(".")[0] == "distributed"]:
         monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.setitem(sys.modules, "distributed", None)
     monkeypatch.delitem(sys.modules, "host.lab.workers.cluster", raising=False)
-    code, out, err = run("experiment", "table1", "--trials", "1", "--no-3d", "--jobs", "2", "--json")
-    assert (code, out) == (2, "")
-    assert err.startswith("caramelo: this needs distributed, which is not installed: run make setup EXTRAS=lab in ")
-    assert err.count("\n") == 1
+    line = refused("experiment", "table1", "--trials", "1", "--no-3d", "--jobs", "2", "--json")
+    assert line.startswith("caramelo: this needs distributed, which is not installed: run make setup EXTRAS=lab in ")
 
 
 def test_an_error_here_is_told():

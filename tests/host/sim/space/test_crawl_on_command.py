@@ -4,9 +4,6 @@ import math
 
 import pytest
 
-pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
-pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
-
 from host.robot.file import load_robot
 from host.sim.grounds import FLAT, GroundSpec
 from host.sim.space.walk import SpaceWalker

@@ -3,11 +3,8 @@
 from dataclasses import replace
 from math import degrees, radians
 
-import pytest
-
-pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
-
 import numpy as np
+import pytest
 
 from host.robot.actuators import Friction
 from host.robot.file import load_robot

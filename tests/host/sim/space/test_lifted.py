@@ -2,9 +2,6 @@
 
 import pytest
 
-pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
-pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
-
 from host.robot.file import load_robot, robot_names
 from host.sim.space.walk import SpaceWalker
 from host.sim.walk import WalkSpec

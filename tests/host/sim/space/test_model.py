@@ -4,6 +4,8 @@ import math
 import random
 from xml.etree import ElementTree as Xml
 
+import mujoco
+import numpy as np
 import pytest
 
 from host.robot.file import load_robot
@@ -17,9 +19,6 @@ from host.sim.export.mjcf import STOP_MARGIN_RAD, ModelOptions, joint_names, mjc
 from host.sim.grounds import GroundSpec, make_ground
 from sim2d import terrain
 from tests.shared.robots import variant
-
-mujoco = pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
-np = pytest.importorskip("numpy")
 
 ROBOTS = ("caramelo", "parallel")
 

@@ -1,11 +1,8 @@
 """The plane and space are two engines with one mechanics: the same legs swing the same body alike."""
 
-import pytest
-
-pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
-
 import mujoco
 import numpy as np
+import pytest
 
 from host.robot.file import load_robot
 from host.robot.plane import planar_robot

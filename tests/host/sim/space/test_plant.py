@@ -2,8 +2,6 @@
 
 import pytest
 
-pytest.importorskip("mujoco")
-
 from host.robot.file import load_robot
 from host.robot.poses import rest_pose_rad, seated_pose_rad
 from host.sim.space.plant import SpacePlant

@@ -1,14 +1,8 @@
 """A walk in space as the plane records it: its points are MuJoCo's own, its figures and files those of any walk."""
 
-import json
-
-import pytest
-
-pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
-pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
-
 import mujoco
 import numpy as np
+import pytest
 
 from host.commands.walk import FILES
 from host.robot.file import load_robot
@@ -54,9 +48,8 @@ def test_the_feet_are_where_mujoco_has_them(name):
         assert np.allclose(seen.aside.turn[0], world.data.body("trunk").xmat.reshape(3, 3), atol=1e-9)
 
 
-def test_a_walk_in_space_has_the_figures_and_files_of_any_walk(run, tmp_path):
-    code, out, _ = run("walk", "--in", "space", "--distance", "0.2", "--json", "--out", str(tmp_path))
-    result = json.loads(out)
+def test_a_walk_in_space_has_the_figures_and_files_of_any_walk(run_json, tmp_path):
+    code, result, _ = run_json("walk", "--in", "space", "--distance", "0.2", "--out", str(tmp_path))
     assert code == 0, result["reason"]
     assert result["in"] == "space"
     assert result["distance_m"] >= 0.2

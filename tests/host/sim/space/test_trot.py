@@ -6,9 +6,6 @@ Start offsets of 17 mm more than those the constants were found with; the slow t
 import numpy as np
 import pytest
 
-pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
-pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
-
 from host.control.gait_changes import GaitWatch
 from host.robot.file import load_robot
 from host.robot.trot_tuning import fastest

@@ -8,9 +8,6 @@ import math
 import numpy as np
 import pytest
 
-pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
-pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
-
 from host.lab.experiments import counts
 from host.lab.experiments.run import run_experiment
 from host.lab.experiments.trials import PLANE, SPACE, Options, Trial

@@ -2,11 +2,8 @@
 
 import math
 
-import pytest
-
-pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
-
 import numpy as np
+import pytest
 
 from host.imu.attitude import Attitude
 from host.robot.file import load_robot

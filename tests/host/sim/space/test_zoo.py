@@ -9,9 +9,6 @@ from math import hypot
 import numpy as np
 import pytest
 
-pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra test)")
-pytest.importorskip("pymunk", reason="pymunk is not installed (extra sim)")
-
 from host.robot.ability import ability
 from host.robot.file import load_robot, robot_names
 from host.robot.poses import rest_pose_rad

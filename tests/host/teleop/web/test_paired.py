@@ -1,7 +1,5 @@
 """Pairings that outlast a restart: kept as hashes, revoked one by one or all, and what a damaged file does."""
 
-import json
-
 import pytest
 
 from host.teleop.web.access import Pairing
@@ -76,12 +74,12 @@ def test_the_services_file_is_in_its_state_directory(monkeypatch, tmp_path):
     assert paired_path() == tmp_path / "caramelo" / NAME
 
 
-def test_the_command_lists_and_revokes(run, path):
+def test_the_command_lists_and_revokes(run, run_json, path):
     Paired(path).add("a")
     code, out, err = run("pairings", "--folder", str(path.parent))
     assert (code, err) == (0, "")
     assert out.startswith("1 browser is paired (")
     assert "since 20" in out
-    code, out, _ = run("pairings", "--folder", str(path.parent), "--forget", "--json")
-    assert (code, json.loads(out)["forgotten"], len(json.loads(out)["paired_since"])) == (0, True, 1)
+    code, told, _ = run_json("pairings", "--folder", str(path.parent), "--forget")
+    assert (code, told["forgotten"], len(told["paired_since"])) == (0, True, 1)
     assert run("pairings", "--folder", str(path.parent))[1].startswith("0 browsers are paired (")

@@ -9,7 +9,6 @@ from host.bus.dynamixel.calibration.data import counts_per_rad, load_calibration
 from host.bus.dynamixel.calibration.person import AtTerminal, FromFile, matching, read_answers, write_answers
 from host.bus.dynamixel.calibration.picture import leg_points, picture
 from host.bus.dynamixel.calibration.procedure import Procedure, difference, reference_rad
-from host.cli import main
 from host.robot.file import load_robot
 from host.robot.kinematics_si import leg_forward
 from host.robot.poses import rest_pose_rad
@@ -168,46 +167,49 @@ def test_a_missing_or_tripped_or_stuck_servo_is_named(tmp_path):
         procedure(bench, answers_of(bench), tmp_path).run()
 
 
-def test_the_command_replays_previews_writes_and_keeps_the_former(tmp_path, capsys):
+def test_the_command_replays_previews_writes_and_keeps_the_former(run, tmp_path):
     bench = bench_of(5)
     answers, out = tmp_path / "answers.toml", tmp_path / "robot.toml"
     write_answers(answers, answers_of(bench))
     assert read_answers(answers) == answers_of(bench)
     call = ("calibrate", "--sim", "--seed", "5", "--answers", str(answers), "--out", str(out))
-    assert main((*call, "--preview")) == 0
+
+    def calibrated(*more):
+        code, shown, _ = run(*call, *more)
+        assert code == 0
+        return shown
+
+    assert '+robot = "caramelo"' in calibrated("--preview")
     assert not out.exists()
-    assert '+robot = "caramelo"' in capsys.readouterr().out
-    assert main(call) == 0
+    calibrated()
     assert load_calibration(out, CARAMELO) == bench.truth
     save_calibration(out, nominal(CARAMELO))
-    assert main(call) == 0
+    assert "-hip = { id = 1," in calibrated()
     assert load_calibration(tmp_path / "robot.toml.backup", CARAMELO) == nominal(CARAMELO)
     assert load_calibration(out, CARAMELO) == bench.truth
-    assert "-hip = { id = 1," in capsys.readouterr().out
     record = tmp_path / "record.toml"
     write_answers(record, {"servo 77 joint": "RL calf"})
-    assert main((*call, "--record", str(record))) == 0
+    assert "nothing changes" in calibrated("--record", str(record))
     assert read_answers(record)["servo 77 joint"] == "RL calf", "older answers stay in a record"
-    assert "nothing changes" in capsys.readouterr().out
     assert not out.with_name("robot.toml.unfinished").exists()
 
 
-def test_a_leg_that_looks_wrong_is_not_achieved(tmp_path, capsys):
+def test_a_leg_that_looks_wrong_is_not_achieved(run, tmp_path):
     bench = bench_of(5)
     answers = tmp_path / "answers.toml"
     write_answers(answers, answers_of(bench, **{"check RL": "no"}))
     out = str(tmp_path / "robot.toml")
-    assert main(("calibrate", "--sim", "--seed", "5", "--answers", str(answers), "--out", out)) == 1
-    assert "RL did not stand as drawn" in capsys.readouterr().err
+    code, _, err = run("calibrate", "--sim", "--seed", "5", "--answers", str(answers), "--out", out)
+    assert code == 1
+    assert "RL did not stand as drawn" in err
 
 
 @pytest.mark.parametrize("content", ["servo = 5", "not toml", ""])
-def test_wrong_answer_files_are_one_line(tmp_path, capsys, content):
+def test_wrong_answer_files_are_one_line(run, tmp_path, content):
     answers = tmp_path / "answers.toml"
     answers.write_text(content)
-    out = str(tmp_path / "robot.toml")
-    assert main(("calibrate", "--sim", "--answers", str(answers), "--out", out)) == 2
-    assert capsys.readouterr().err.count("\n") == 1
+    code, _, err = run("calibrate", "--sim", "--answers", str(answers), "--out", str(tmp_path / "robot.toml"))
+    assert (code, err.count("\n")) == (2, 1)
 
 
 def test_at_the_terminal_until_the_answer_is_clear(monkeypatch, capsys):
@@ -298,8 +300,8 @@ def test_each_answer_is_on_the_disk_when_the_next_question_comes(tmp_path, monke
         "servo 1 joint": "FR hip", "servo 1 direction": "+", "servo 2 joint": "FR thigh"}  # fmt: skip
 
 
-def test_a_record_never_replaces_a_file_of_another_kind(tmp_path):
+def test_a_record_never_replaces_a_file_of_another_kind(refused, tmp_path):
     path = tmp_path / "thesis.txt"
     path.write_text("years of work")
-    assert main(["calibrate", "--sim", "--record", str(path)]) == 2
+    refused("calibrate", "--sim", "--record", str(path))
     assert path.read_text() == "years of work"
