@@ -10,8 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from .recording import Array, Aside, Recording
-from .recording import turned as turned_in_space
+from .recording import Array, Aside, Recording, rotations
 from .view import shown_rows, solid, turned
 
 PIXELS_PER_M = 900
@@ -100,7 +99,7 @@ def _leg(draw: _Draw, recording: Recording, rows: Array, aside: Aside, leg: int)
 def _torso(draw: _Draw, recording: Recording, rows: Array, aside: Aside,
            half_m: tuple[float, float, float]) -> Iterator[str]:
     place = np.stack([recording.torso_x_m, aside.torso_y_m, recording.torso_z_m], axis=1)[rows, None]
-    turn = turned_in_space(aside.attitude_rad[rows])
+    turn = rotations(aside.attitude_rad[rows])
     for colour, ends in FACES:
         corners = (np.array(ends) * 2.0 - 1.0) * half_m
         points = place + corners @ turn.transpose(0, 2, 1)

@@ -34,7 +34,7 @@ class Aside:
     leg_y_m: Array  # n x 4 x 3: thigh joint, knee, foot
 
 
-def turned(attitude_rad: Array) -> Array:
+def rotations(attitude_rad: Array) -> Array:
     """Return the rotations, (n, 3, 3), from a body's axes to the world's."""
     (cr, cp, cy), (sr, sp, sy) = np.cos(attitude_rad).T, np.sin(attitude_rad).T
     rows = [

@@ -6,7 +6,7 @@ import numpy as np
 
 from sim2d.metrics import rate
 from sim2d.notes import Note
-from sim2d.recording import Aside, Recording, turned
+from sim2d.recording import Aside, Recording, rotations
 from sim2d.referee import Outcome
 
 from ...robot.model import Robot
@@ -26,7 +26,7 @@ def recorded(
     All are true values, not sensor readings.
     """
     time_s, position_m, attitude_rad, joint_rad, goal_rad, torque_Nm, foot_load_N, penetration_m = columns
-    turn = turned(attitude_rad)
+    turn = rotations(attitude_rad)
     points = _legs_m(spec.robot, joint_rad) @ turn[:, None].transpose(0, 1, 3, 2) + position_m[:, None, None]
     xz = points[..., [0, 2]]
     count, stall = len(time_s), [d.stall_torque_Nm for d in drives(planar_robot(spec.robot), spec.voltage_V)]

@@ -19,7 +19,7 @@ from host.sim.space.side import recorded
 from host.sim.space.walk import walk_in_space
 from host.sim.space.world import World
 from host.sim.walk import WalkSpec
-from sim2d.recording import turned
+from sim2d.recording import rotations
 from sim2d.referee import Outcome
 
 
@@ -51,7 +51,8 @@ def test_the_feet_are_where_mujoco_has_them(name):
         assert np.allclose(seen.knee_xz_m[0], knees, atol=1e-9)
         left = [[world.data.body(f"{leg}_calf").xpos[1], world.data.geom(f"{leg}_foot").xpos[1]] for leg in LEG_NAMES]
         assert np.allclose(seen.aside.leg_y_m[0, :, 1:], left, atol=1e-9)
-        assert np.allclose(turned(seen.aside.attitude_rad)[0], world.data.body("trunk").xmat.reshape(3, 3), atol=1e-9)
+        turn = world.data.body("trunk").xmat.reshape(3, 3)
+        assert np.allclose(rotations(seen.aside.attitude_rad)[0], turn, atol=1e-9)
 
 
 def test_a_walk_in_space_has_the_figures_and_files_of_any_walk(run, tmp_path):
