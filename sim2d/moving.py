@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from .recording import Array, Aside, Recording
+from .recording import Array, Aside, Recording, rotations
 from .view import shown_rows, solid, turned
 
 PIXELS_PER_M = 900
@@ -58,12 +58,9 @@ def projected(points_m: Array) -> Array:
 
 def _flat(recording: Recording, half_width_m: float) -> Aside:
     """Return the third dimension of a walk in the plane: nothing moves sideways, the legs are beside the torso."""
-    count, pitch = len(recording.time_s), recording.torso_pitch_rad
-    turn = np.zeros((count, 3, 3))
-    turn[:, 0, 0] = turn[:, 2, 2] = np.cos(pitch)
-    turn[:, 0, 2], turn[:, 2, 0], turn[:, 1, 1] = np.sin(pitch), -np.sin(pitch), 1.0
-    beside_m = half_width_m + recording.foot_radius_m
-    return Aside(np.zeros(count), turn, np.broadcast_to(np.array([-1, 1, -1, 1])[:, None] * beside_m, (count, 4, 3)))
+    count, beside_m = len(recording.time_s), half_width_m + recording.foot_radius_m
+    attitude_rad, legs_m = np.outer(recording.torso_pitch_rad, (0.0, 1.0, 0.0)), np.array([-1, 1, -1, 1]) * beside_m
+    return Aside(np.zeros(count), attitude_rad, np.broadcast_to(legs_m[:, None], (count, 4, 3)))
 
 
 class _Draw:
@@ -102,9 +99,10 @@ def _leg(draw: _Draw, recording: Recording, rows: Array, aside: Aside, leg: int)
 def _torso(draw: _Draw, recording: Recording, rows: Array, aside: Aside,
            half_m: tuple[float, float, float]) -> Iterator[str]:
     place = np.stack([recording.torso_x_m, aside.torso_y_m, recording.torso_z_m], axis=1)[rows, None]
+    turn = rotations(aside.attitude_rad[rows])
     for colour, ends in FACES:
         corners = (np.array(ends) * 2.0 - 1.0) * half_m
-        points = place + corners @ aside.turn[rows].transpose(0, 2, 1)
+        points = place + corners @ turn.transpose(0, 2, 1)
         yield draw.moving("polygon", projected(points), f'fill="{colour}" stroke="{colour}"')
 
 

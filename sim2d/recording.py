@@ -10,7 +10,6 @@ import hashlib
 import math
 import struct
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -22,9 +21,6 @@ from .referee import Outcome
 from .terrain import Terrain
 from .world import BODY_FIELDS, ROBOT_BODIES, Contacts, World
 
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
-
 Array = npt.NDArray[np.float64]
 Flags = npt.NDArray[np.bool_]
 
@@ -34,13 +30,26 @@ class Aside:
     """The additional data of a walk in space: y to the left, and the torso's orientation."""
 
     torso_y_m: Array  # n
-    turn: Array  # n x 3 x 3, body axes to the world's
+    attitude_rad: Array  # n x 3: roll, pitch, yaw about fixed axes
     leg_y_m: Array  # n x 4 x 3: thigh joint, knee, foot
+
+
+def rotations(attitude_rad: Array) -> Array:
+    """Return the rotations, (n, 3, 3), from a body's axes to the world's."""
+    (cr, cp, cy), (sr, sp, sy) = np.cos(attitude_rad).T, np.sin(attitude_rad).T
+    rows = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ]
+    return np.array(rows).transpose(2, 0, 1)
 
 
 @dataclass(frozen=True)
 class Recording:
-    """A finished run. Shapes: n rows, 4 legs, 12 joints, 2 = (x, z); stones as in ``terrain.loose``.
+    """A finished run, in the plane or in space (``aside``). Shapes: n rows, 4 legs, 12 joints, 2 = (x, z).
+
+    Stones are as in ``terrain.loose``; a walk in space has none, for those lie nowhere in the plane.
 
     ``stone_turn_rad`` is how far a loose stone has turned counter-clockwise from its corners' first position.
     """
@@ -71,18 +80,14 @@ class Recording:
     aside: Aside | None = None
 
     def digest(self) -> str:
-        """SHA-256 of every array's bytes: equal for equal runs on the same machine."""
-        return arrays_digest(self)
-
-
-def arrays_digest(recording: "DataclassInstance") -> str:
-    """Return the SHA-256 of the bytes and names of all of a recording's arrays."""
-    sha = hashlib.sha256()
-    for item in fields(recording):
-        value = getattr(recording, item.name)
-        if isinstance(value, np.ndarray):
-            sha.update(item.name.encode() + np.ascontiguousarray(value).tobytes())
-    return sha.hexdigest()
+        """SHA-256 of every array's name and bytes: equal for equal runs on the same machine."""
+        sha = hashlib.sha256()
+        for part in (self,) if self.aside is None else (self, self.aside):
+            for item in fields(part):
+                value = getattr(part, item.name)
+                if isinstance(value, np.ndarray):
+                    sha.update(item.name.encode() + np.ascontiguousarray(value).tobytes())
+        return sha.hexdigest()
 
 
 class Log:

@@ -159,13 +159,13 @@ def _write_copy(robot: "Robot", source: Path, folder: Path, result: "Result") ->
 
     from ..bus.dynamixel.calibration.data import servo_of
     from ..identify.filing import copy_with
-    from ..identify.procedure import LEAST_BROTHERS, measures
-    from ..identify.verdict import SOUND
+    from ..identify.procedure import measures
 
-    if sum(v.kind == SOUND and result.fits[j].fits for j, v in result.verdicts.items()) < LEAST_BROTHERS:
+    found = measures(result)
+    if not found:
         return []
     target = folder / f"{robot.name}.toml"
-    copy_with(source, target, servo_of(robot), measures(result), date.today())
+    copy_with(source, target, servo_of(robot), found, date.today())
     return [target]
 
 

@@ -84,9 +84,11 @@ def walk(
         if where == "plane":
             recording = run_walk(spec, show, actuator=motors)
         else:
-            from ..sim.space.side import run_in_space
+            from ..sim.space.walk import figures, walk_in_space
 
-            recording, more = run_in_space(spec, show)
+            recording = walk_in_space(spec, show)
+            told = figures(recording)
+            more = {key: told[key] for key in ("roll_range_deg", "yaw_drift_deg", "side_drift_m")}
     result = judged(spec, walk_result(spec, recording), in_space=where == "space")
     result |= transport(data, recording, payload, motors) | more
     result["in"] = where

@@ -25,7 +25,6 @@ from .together import grounds, supply_ohm
 from .verdict import BLOCKED, SOUND, UNSAFE, Verdict, broken, brothers, judge, sticking, weight_is, with_middle
 
 Show = Callable[[str, float], None]  # the present work, and the share of it that is done
-SILENT: Show = lambda what, share: None  # noqa: E731
 LEAST_BROTHERS = 2
 
 
@@ -44,7 +43,7 @@ class Result:
         return all(verdict.kind == SOUND for verdict in self.verdicts.values())
 
 
-def measure_in_air(rig: Rig, folder: Path, joints: Sequence[int], show: Show = SILENT) -> None:
+def measure_in_air(rig: Rig, folder: Path, joints: Sequence[int], show: Show) -> None:
     """Sweep joints that are not kept yet, then shake all together; keep the measurements."""
     robot = rig.robot
     for joint in joints:
@@ -63,7 +62,7 @@ def measure_in_air(rig: Rig, folder: Path, joints: Sequence[int], show: Show = S
         keeping.keep_stances(path, robot, shake_all(rig, lambda share: show("all joints", share)))
 
 
-def measure_on_ground(rig: Rig, folder: Path, show: Show = SILENT) -> None:
+def measure_on_ground(rig: Rig, folder: Path, show: Show) -> None:
     """Stand and sway, and keep the measurements."""
     path = keeping.together_path(folder, "ground")
     keeping.keep_stances(path, rig.robot, stand_and_sway(rig, lambda share: show("standing", share)))
@@ -73,7 +72,7 @@ def _blocked_path(folder: Path, joint: int) -> Path:
     return keeping.path_of(folder, joint).with_suffix(".blocked")
 
 
-def glance(robot: Robot, folder: Path, show: Show = SILENT) -> dict[int, Verdict]:
+def glance(robot: Robot, folder: Path, show: Show) -> dict[int, Verdict]:
     """Return the joints that can't be fitted and that forbid standing up: blocked, loose, reversed ones."""
     found = {}
     for joint in range(JOINTS):
@@ -98,7 +97,7 @@ def unsafe(verdicts: Mapping[int, Verdict]) -> list[str]:
     return [verdict.sentence for verdict in verdicts.values() if verdict.kind in UNSAFE]
 
 
-def fit_all(robot: Robot, folder: Path, show: Show = SILENT) -> Result:
+def fit_all(robot: Robot, folder: Path, show: Show) -> Result:
     """Fit every joint that is kept, and judge it. UserError if nothing is kept."""
     servo, result = servo_of(robot), Result()
     kept = [joint for joint in range(JOINTS) if keeping.done(folder, joint)]
@@ -131,10 +130,10 @@ def all_numbers(fits: Mapping[int, Fitted]) -> list[dict[str, float]]:
 
 
 def measures(result: Result) -> dict[str, Measure]:
-    """Return the numbers for the robot file: medians of the sound joints, by table and key."""
+    """Return the numbers for the robot file: medians of the sound joints, by table and key; none of too few."""
     sound = {j: fit for j, fit in result.fits.items() if result.verdicts[j].kind == SOUND and fit.fits}
     if len(sound) < LEAST_BROTHERS:
-        raise UserError(f"{len(sound)} sound joints, at least {LEAST_BROTHERS} needed: no robot file is written", 1)
+        return {}
     middle = with_middle(sound)
     values, spread = middle.values, middle.spread
     found = {

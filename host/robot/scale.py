@@ -86,7 +86,7 @@ def scale_of(robot: Robot, rate_hz: int | None = None) -> Scale:
 def core_params(robot: Robot, rate_hz: int | None = None, planar: bool = False) -> Params:
     """Return the robot as the core's integers (shared/body/params.py); ``planar``: it neither sways nor turns.
 
-    Raises UserError, naming the key, if a value of the file does not fit at this rate.
+    The loader has checked that its speeds and gains fit (checks.py). UserError if its joints are too soft.
     """
     scale = scale_of(robot, rate_hz)
     params = Params()
@@ -115,15 +115,8 @@ def _speeds(params: Params, robot: Robot, scale: Scale) -> None:
     limits = robot.speed_limits
     integers = (scale.lf_per_tick, scale.lf_per_tick, scale.yaw18_per_tick)
     for axis, (key, integer) in enumerate(zip(("vx_m_s", "vy_m_s", "wz_rad_s"), integers, strict=True)):
-        speed, slew = getattr(limits, key), getattr(limits, f"{key}2")
-        for name, value, per_tick in ((key, speed, speed), (f"{key}2", slew, slew / scale.rate_hz)):
-            if integer(per_tick) > LARGEST_SPEED:
-                raise UserError(
-                    f"speed_limits.{name}: {value:g} is too fast for {scale.rate_hz} Hz: "
-                    f"lower it, or raise control.rate_hz"
-                )
-        params.speed_max[axis] = max(1, integer(speed))
-        params.speed_slew[axis] = max(1, integer(slew / scale.rate_hz))
+        params.speed_max[axis] = max(1, integer(getattr(limits, key)))
+        params.speed_slew[axis] = max(1, integer(getattr(limits, f"{key}2") / scale.rate_hz))
 
 
 def _pose_limits(params: Params, robot: Robot, scale: Scale) -> None:
@@ -139,17 +132,9 @@ def _pose_limits(params: Params, robot: Robot, scale: Scale) -> None:
 def _balance(params: Params, robot: Robot, rate_hz: int) -> None:
     """Fill in the balance: gains in the form of shared/num/pid.py, and limits."""
     balance = robot.balance
-    values = (
-        ("kp", "kp_q12", balance.kp * Q12),
-        ("ki_1_s", "ki_q16", balance.ki_1_s / rate_hz * Q16),
-        ("kd_s", "kd_q10", balance.kd_s * rate_hz * Q10),
-    )
-    for key, name, value in values:
-        if round(value) > LARGEST_GAIN:
-            wanted = getattr(balance, key)
-            largest = wanted * LARGEST_GAIN / value
-            raise UserError(f"balance.{key}: {wanted:g} is too large for {rate_hz} Hz: at most {largest:.4g}")
-        setattr(params.gains, name, round(value))
+    params.gains.kp_q12 = round(balance.kp * Q12)
+    params.gains.ki_q16 = round(balance.ki_1_s / rate_hz * Q16)
+    params.gains.kd_q10 = round(balance.kd_s * rate_hz * Q10)
     params.integral_max = brad(balance.integral_limit_rad)
     params.balance_max = brad(balance.output_limit_rad)
 

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ..robot.actuators import Bldc, PdJoint, Servo
+from ..robot.actuators import Bldc, Servo
 from ..robot.model import Robot
 
 Array = np.ndarray[Any, Any]
@@ -26,31 +26,29 @@ def taken() -> dict[str, Any]:
 
 
 def mean_power_W(robot: Robot, torque_Nm: Array, speed_rad_s: Array) -> float:
-    """Return the mean electrical power of all drives and the computer.
+    """Return the mean electrical power of all drives with their electronics, and of the computer.
 
     Rows of twelve drives' torques and of twelve joints' speeds.
     """
-    torque, speed = _at_motors(robot, torque_Nm, speed_rad_s)
-    drives_W = _drives_W(robot.actuator, torque, speed)
-    return round(drives_W + float(taken()["computer"]["power_W"]), 3)
+    data, actuator = taken(), robot.actuator
+    servo_W = data["servo"]["standby_current_A"] * actuator.supply_V
+    standby_W = 12 * float(servo_W if isinstance(actuator, Servo) else data["bldc"]["board_W"])
+    return round(drives_power_W(robot, torque_Nm, speed_rad_s) + standby_W + float(data["computer"]["power_W"]), 3)
 
 
 def drives_power_W(robot: Robot, torque_Nm: Array, speed_rad_s: Array) -> float:
     """Return the mean electrical power of the drives' motors alone: no electronics, no computer."""
     torque, speed = _at_motors(robot, torque_Nm, speed_rad_s)
-    if isinstance(robot.actuator, Servo):
-        standby_W = 12 * taken()["servo"]["standby_current_A"] * robot.actuator.nominal.voltage_V
-        return _drives_W(robot.actuator, torque, speed) - float(standby_W)
-    return _drives_W(robot.actuator, torque, speed) - 12 * float(taken()["bldc"]["board_W"])
-
-
-def _drives_W(actuator: Servo | Bldc | PdJoint, torque: Array, speed: Array) -> float:
+    actuator, data = robot.actuator, taken()["servo"]
+    lost_W, efficiency = np.zeros_like(torque), 1.0
     if isinstance(actuator, Servo):
-        return _servos_W(actuator, torque, speed)
-    if isinstance(actuator, Bldc):
-        return _joints_W(actuator, torque, speed)
-    drawn_W = np.maximum(0.0, torque * speed)
-    return float(drawn_W.sum(axis=1).mean()) + 12 * float(taken()["bldc"]["board_W"])
+        current_A = torque * data["stall_current_A"] / actuator.nominal.stall_Nm
+        lost_W = current_A**2 * (data["stall_voltage_V"] / data["stall_current_A"])
+    elif isinstance(actuator, Bldc):
+        current_A = torque / (actuator.gear.ratio * actuator.motor.torque_constant_Nm_A)
+        lost_W, efficiency = 1.5 * actuator.motor.resistance_ohm * current_A**2, actuator.gear.efficiency
+    drawn_W = np.maximum(0.0, lost_W + torque * speed / efficiency)
+    return float(drawn_W.sum(axis=1).mean())
 
 
 def _at_motors(robot: Robot, torque_Nm: Array, speed_rad_s: Array) -> tuple[Array, Array]:
@@ -60,19 +58,3 @@ def _at_motors(robot: Robot, torque_Nm: Array, speed_rad_s: Array) -> tuple[Arra
     if robot.calf_drive.coupled:
         speeds[:, 2::3] += speeds[:, 1::3]
     return torque_Nm * ratios, speeds / ratios
-
-
-def _servos_W(servo: Servo, torque: Array, speed: Array) -> float:
-    data = taken()["servo"]
-    resistance_ohm = data["stall_voltage_V"] / data["stall_current_A"]
-    current_A = torque * data["stall_current_A"] / servo.nominal.stall_Nm
-    drawn_W = np.maximum(0.0, current_A**2 * resistance_ohm + torque * speed)
-    standby_W = 12 * data["standby_current_A"] * servo.nominal.voltage_V
-    return float(drawn_W.sum(axis=1).mean()) + standby_W
-
-
-def _joints_W(drive: Bldc, torque: Array, speed: Array) -> float:
-    current_A = torque / (drive.gear.ratio * drive.motor.torque_constant_Nm_A)
-    copper_W = 1.5 * drive.motor.resistance_ohm * current_A**2
-    drawn_W = np.maximum(0.0, copper_W + torque * speed / drive.gear.efficiency)
-    return float(drawn_W.sum(axis=1).mean()) + 12 * float(taken()["bldc"]["board_W"])

@@ -198,7 +198,7 @@ class PlaneBody:
 
         plane = plane or planar_robot(robot)
         self.world = World(plane, flat(), actuator=motors, dt_s=DT_S)
-        self._robot, self._pose_rad, self._start = robot, tuple(pose_rad), clamped(plane, pose_rad)
+        self.robot, self._pose_rad, self._start = robot, tuple(pose_rad), clamped(plane, pose_rad)
         self.position_rad, self.speed_rad_s = list(pose_rad), [0.0] * JOINTS
         self.put_back()
         self._sensors = Sensors(self.world, seed)
@@ -206,7 +206,7 @@ class PlaneBody:
     def put_back(self) -> None:
         """Put the robot down as it was at the start."""
         self.world.place(self._start)
-        self._hinges = hinges(self._robot, self._pose_rad)[0::3]
+        self._hinges = hinges(self.robot, self._pose_rad)[0::3]
         self.position_rad[:], self.speed_rad_s[:] = self._pose_rad, [0.0] * JOINTS
 
     def sensed(self, time_s: float) -> "Sensed":

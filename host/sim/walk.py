@@ -231,7 +231,7 @@ def facts(result: dict[str, Any]) -> list[tuple[str, str]]:
 
 
 def space_facts(result: dict[str, Any]) -> list[tuple[str, str]]:
-    """Return the figures that only a walk in space has (host/sim/space/side.py)."""
+    """Return the figures that only a walk in space has (host/sim/space/walk.py)."""
     if "roll_range_deg" not in result:
         return []
     aside = f"{1000 * result['side_drift_m']:.0f} mm to the left, turned {result['yaw_drift_deg']:.1f} deg"

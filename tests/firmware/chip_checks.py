@@ -7,7 +7,7 @@ from array import array
 from itertools import pairwise
 
 from firmware import chip_io, chip_joint, joint_run
-from host.sim.chip.can_filter import accept
+from host.sim.chip.bxcan import accept
 from host.sim.chip.can_wire import Frame
 from host.sim.chip.drv8323 import FAULT1
 from host.sim.chip.joint_board import HALF_BRIDGES, SHUNT_CHANNELS, Restart

@@ -87,8 +87,8 @@ def test_a_riser_that_faces_away_is_not_drawn():
 def test_a_robot_that_turns_in_space_is_drawn_turned(standing):
     """The torso's corners and the feet are where a point of space is drawn, wherever the robot is and looks."""
     count = len(standing.time_s)
-    turn = np.broadcast_to(np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), (count, 3, 3))  # to the left
-    aside = Aside(np.full(count, 0.3), turn, np.full((count, 4, 3), 0.4))
+    to_the_left = np.broadcast_to([0.0, 0.0, np.pi / 2], (count, 3))
+    aside = Aside(np.full(count, 0.3), to_the_left, np.full((count, 4, 3), 0.4))
     root = Xml.fromstring(moving_svg(replace(standing, aside=aside), "t", HALF_M))
     origin = first_and_last(root.findall(f"{SVG}g/{SVG}polyline")[0])[0][2] / PIXELS_PER_M
     foot = projected(np.array([standing.foot_xz_m[0, 1, 0], 0.4, standing.foot_xz_m[0, 1, 1]]))

@@ -10,10 +10,9 @@ import pytest
 
 from sim2d import metrics, terrain
 from sim2d.body import planar
-from sim2d.bus import LateBus
 from sim2d.model import SensorModel
 from sim2d.referee import Referee
-from sim2d.run import simulate
+from sim2d.run import LateBus, simulate
 from sim2d.world import World, _count_bodies
 from tests.float_twin.paper_trot import PaperTrot
 

@@ -4,11 +4,11 @@ from collections.abc import Callable
 
 import typer
 
-from . import board, commission, compare, dbc, drive, figures, load, look, page, params, simulate
+from . import bus, commission, drive, figures, look, page, params, simulate
 
 COMMANDS: tuple[Callable[..., int], ...] = (
-    look.scan, look.status, look.monitor, page.page, drive.arm, drive.disarm, drive.clear, board.set_id,
-    commission.commission, load.busload, dbc.dbc, compare.compare, figures.figures, simulate.sim,
+    look.scan, look.status, look.monitor, page.page, drive.arm, drive.disarm, drive.clear, drive.set_id,
+    commission.commission, bus.busload, bus.dbc, figures.compare, figures.figures, simulate.sim,
 )  # fmt: skip
 
 GROUP = typer.Typer(help="Find, watch, arm, number and set up the CAN joints, or simulate them.", no_args_is_help=True)

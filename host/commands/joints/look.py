@@ -12,7 +12,7 @@ from ...util.console import live_table, print_table, screen, write_json
 from ...util.errors import NOT_ACHIEVED, UserError
 from ...util.files import not_written, writing
 from .options import Channel, Interface, Json, RobotName, Seconds, Sim, joints
-from .table import rows_of, table
+from .table import Curves, rows_of, table
 
 
 def scan(
@@ -84,8 +84,6 @@ def monitor(
 
     Example: caramelo joints monitor --sim --seconds 2 --plot current --out joints.jsonl
     """
-    from .spark import Curves
-
     if plot not in PLOTS:
         raise UserError(f"--plot {plot}: allowed {', '.join(PLOTS)}")
     key, span = PLOTS[plot]

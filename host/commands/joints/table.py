@@ -1,5 +1,6 @@
-"""A joint's last report as a row, and all rows as a table with the faults in sentences below it."""
+"""A joint's last report as a row; all rows as a table, with curves of their last seconds and the faults below it."""
 
+from collections import deque
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -8,6 +9,8 @@ if TYPE_CHECKING:
     from ...bus.can.link import JointView
 
 HOMELESS = "does not know its angle yet: put the robot into its sitting pose, where arm and teleop home it"
+BARS = "▁▂▃▄▅▆▇█"
+KEPT = 40  # values of a curve, one per refresh
 
 
 def _row(bus: "CanJoints", view: "JointView") -> dict[str, Any]:
@@ -74,3 +77,27 @@ def table(rows: list[dict[str, Any]], plotted: str = "", curves: Sequence[str] =
     wrong = [Text(f"{row['joint']}: {row['fault']}") for row in rows if row["fault"] != "none"]
     wrong += [Text(f"{row['joint']}: {row['remark']}") for row in rows if row.get("remark")]
     return Group(make_table(("joint", *_COLUMNS.values(), *filter(None, [plotted])), shown), *wrong)
+
+
+def spark(values: Sequence[float | None], least_span: float) -> str:
+    """Return one bar per value, a space where it is unknown; a span below ``least_span`` does not fill the height."""
+    known = [value for value in values if value is not None]
+    if not known:
+        return ""
+    low, high = min(known), max(known)
+    span = max(high - low, least_span)
+    return "".join(" " if v is None else BARS[min(len(BARS) - 1, int((v - low) / span * len(BARS)))] for v in values)
+
+
+class Curves:
+    """The last values of many things by name."""
+
+    def __init__(self, least_span: float) -> None:
+        self._least_span = least_span
+        self._kept: dict[str, deque[float | None]] = {}
+
+    def add(self, name: str, value: float | None) -> str:
+        """Take a value and return its curve."""
+        curve = self._kept.setdefault(name, deque(maxlen=KEPT))
+        curve.append(value)
+        return spark(list(curve), self._least_span)

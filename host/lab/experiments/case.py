@@ -5,9 +5,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from sim2d.recording import Recording
-
-from ...control.gait_changes import change_lines
 from ..workers.work import Task
 from .trials import PLANE, Answer, Options
 
@@ -76,23 +73,13 @@ class Experiment:
 
 
 @dataclass(frozen=True)
-class Film:
-    """A walk in the plane to be animated."""
+class Outcome:
+    """An experiment that has run; ``films``: the walks in the plane to be animated, each with its case's name."""
 
+    name: str
     title: str
-    recording: Recording
-    facts: list[tuple[str, str]]
-
-
-def films(row: Row) -> list[Film]:
-    """Return the films of a row, one for each answer that kept a recording of the plane."""
-    kept = [answer for answer in row.answers.get(PLANE, []) if isinstance(answer.recording, Recording)]
-    return [Film(row.case.name, answer.recording, [
-        ("speed", f"{answer.figures['mean_speed_m_s']:.4f} m/s"),
-        ("pitch range", f"{answer.figures['pitch_range_deg']:.1f} deg"),
-        *change_lines(answer.figures["gait_changes"]),
-        ("outcome", str(answer.figures["reason"])),
-    ]) for answer in kept]
+    found: Found
+    films: list[tuple[str, Answer]]
 
 
 def rate(answers: Sequence[Answer]) -> str:

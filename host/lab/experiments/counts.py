@@ -30,10 +30,11 @@ STEPS = {"up": "step-up", "down": "step-down", "box": "box", "over": "step", "an
 SPACE_STEPS = ("over", "angled", "left")
 
 
-def slope_specs(options: Options, kind: str, angle_deg: float, usual: int = SLOPES) -> list[WalkSpec]:
+def slope_specs(options: Options, kind: str, angle_deg: float, usual: int = SLOPES,
+                speed_m_s: float = SPEED_M_S) -> list[WalkSpec]:
     """Return walks over a slope up onto a plateau, or down from one."""
     ground = GroundSpec(f"slope-{kind}", angle_deg=angle_deg)
-    spec = WalkSpec(options.robot, options.gait, SPEED_M_S, ground, distance_m=make_terrain(ground).finish_x_m or 1.5)
+    spec = WalkSpec(options.robot, options.gait, speed_m_s, ground, distance_m=make_terrain(ground).finish_x_m or 1.5)
     return [drawn(spec, seed) for seed in options.seeds(usual)]
 
 

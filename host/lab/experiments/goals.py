@@ -4,7 +4,7 @@ Most are in space. The group `plane` has the figures of the same gait in the pla
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -17,9 +17,9 @@ from ...sim.grounds import GroundSpec, make_terrain
 from ...sim.walk import Push, WalkSpec
 from ...util.errors import UserError
 from .case import Case, Experiment, Found, Judge, Row
-from .counts import LIMIT_S, load_specs, step_specs
+from .counts import LIMIT_S, load_specs, slope_specs, step_specs
 from .data import assumptions, goal_tables
-from .trials import FRICTIONS, PLANE, SPACE, STRIDE_M, Answer, Options, Trial, drawn, trials
+from .trials import FRICTIONS, PLANE, SPACE, STRIDE_M, Answer, Options, Trial, trials
 from .verdicts import carries, share, sum_up, within
 
 SPEED_SHARE = 0.05  # how far a speed may be off its command
@@ -87,8 +87,8 @@ def _level(options: Options, speed: float, usual: int = 3, **more: Any) -> list[
             for _, friction, seed in options.starts(usual)]
 
 
-def _space(name: str, specs: Sequence[WalkSpec], limits: str, judge: Judge) -> Case:
-    return Case(name, {SPACE: trials(SPACE, list(specs))}, limits, judge)
+def _case(name: str, specs: list[WalkSpec], limits: str, judge: Judge, where: str = SPACE) -> Case:
+    return Case(name, {where: trials(where, specs)}, limits, judge)
 
 
 def with_delay(robot: Robot, delay_s: float) -> Robot:
@@ -106,9 +106,9 @@ def flat(options: Options, want: Wanted) -> list[Case]:
     straight = partial(within, roll_range_deg=(0, TILT_DEG), pitch_range_deg=(0, TILT_DEG),
                        yaw_drift_deg=(-YAW_DEG, YAW_DEG), side_drift_m=(-SIDE_M, SIDE_M))
     limits = f"within 5 %, tilt {TILT_DEG:g} deg, yaw {YAW_DEG:g} deg, {1000 * SIDE_M:g} mm aside in 1.5 m"
-    slow = [_space(f"flat at {part:.3g} m/s", _level(options, part), limits, straight(speed_m_s=_about(part)))
+    slow = [_case(f"flat at {part:.3g} m/s", _level(options, part), limits, straight(speed_m_s=_about(part)))
             for part in (speed / 3, speed / 6)]
-    fast = _space(f"flat at {speed:.3g} m/s", _level(options, speed), limits, straight(speed_m_s=_about(speed)))
+    fast = _case(f"flat at {speed:.3g} m/s", _level(options, speed), limits, straight(speed_m_s=_about(speed)))
     most = want.table["cost_most"]
     cost = Case(f"cost of transport at {speed:.3g} m/s", fast.trials, f"at most {most:g}" if most else "",
                 within(judged=bool(most), cost_of_transport=(0, most or math.inf)))
@@ -126,7 +126,7 @@ def conditions(options: Options, want: Wanted) -> list[Case]:
         judge = within(least, known and bool(least), speed_m_s=_about(speed), roll_range_deg=(0, TILT_DEG),
                        pitch_range_deg=(0, TILT_DEG))
         limits = f"within 5 %, tilt {TILT_DEG:g} deg" if known else ""
-        return _space(f"flat at {speed:.3g} m/s, {name}", _level(options, speed, **more), limits, judge)
+        return _case(f"flat at {speed:.3g} m/s, {name}", _level(options, speed, **more), limits, judge)
 
     low = _level(options, speed / 6, voltage_V=options.robot.actuator.least_V, bus_delay_s=0.06)
     return [
@@ -134,7 +134,7 @@ def conditions(options: Options, want: Wanted) -> list[Case]:
                robot=with_delay(options.robot, delay_s) if known else options.robot) for delay_s, known in DELAYS_S),
         *(case(f"{volts:g} V", voltage_V=volts) for volts in want.table["voltages_V"]),
         *(case(f"{load_kg:.2g} kg of payload", payload_kg=load_kg) for load_kg in want.payloads_kg),
-        _space(f"flat at {speed / 6:.3g} m/s, lowest voltage and 60 ms", low, "no fall", share(1.0)),
+        _case(f"flat at {speed / 6:.3g} m/s, lowest voltage and 60 ms", low, "no fall", share(1.0)),
     ]
 
 
@@ -143,7 +143,7 @@ def ways(options: Options, want: Wanted) -> list[Case]:
     part = want.table["ways_within"]
     asked = (("sideways", "left", want.aside_m_s, "m/s"), ("turning", "turn", want.turn_rad_s, "rad/s"),
              ("backwards", "back", want.back_m_s, "m/s"))
-    return [_space(f"{name} at {speed:.3g} {unit}", _level(options, speed, way=way), f"within {100 * (1 - part):.3g} %",
+    return [_case(f"{name} at {speed:.3g} {unit}", _level(options, speed, way=way), f"within {100 * (1 - part):.3g} %",
                    within(speed_m_s=_about(speed, 1 - part))) for name, way, speed, unit in asked]
 
 
@@ -160,9 +160,10 @@ def steps(options: Options, want: Wanted) -> list[Case]:
     return [_step(options, want, kind, want.step_m, limits, judge) for kind in ("up", "down", "over", "angled", "left")]
 
 
-def _step(options: Options, want: Wanted, kind: str, height_m: float, limits: str, judge: Judge, **more: Any) -> Case:
-    specs = step_specs(options, kind, height_m, want.climb_m_s, start_m=STEP_START_M, **more)
-    return _space(f"{kind} {1000 * height_m:.0f} mm at {want.climb_m_s:.3g} m/s", specs, limits, judge)
+def _step(options: Options, want: Wanted, kind: str, height_m: float, limits: str, judge: Judge,
+          where: str = SPACE) -> Case:
+    specs = step_specs(options, kind, height_m, want.climb_m_s, start_m=STEP_START_M)
+    return _case(f"{kind} {1000 * height_m:.0f} mm at {want.climb_m_s:.3g} m/s", specs, limits, judge, where)
 
 
 def low(options: Options, want: Wanted) -> list[Case]:
@@ -182,7 +183,7 @@ def bars(options: Options, want: Wanted) -> list[Case]:
     """Return bars across the way, 40 to 80 % of the step high."""
     specs = [spec for part in (0.4, 0.6, 0.8) for length_m in (0.03, 0.12)
              for spec in step_specs(options, "box", part * want.step_m, want.climb_m_s, 1, STEP_START_M, length_m)]
-    return [_space("bars 40 .. 80 % of the step high, 30 and 120 mm deep", specs, "", share(None))]
+    return [_case("bars 40 .. 80 % of the step high, 30 and 120 mm deep", specs, "", share(None))]
 
 
 def stairs(options: Options, want: Wanted) -> list[Case]:
@@ -194,7 +195,7 @@ def stairs(options: Options, want: Wanted) -> list[Case]:
             ground = GroundSpec(f"stairs-{kind}", want.stair_m, start_m=STEP_START_M + offset_m, length_m=STAIR_TREAD_M)
             specs.append(WalkSpec(options.robot, options.gait, want.climb_m_s, ground, friction=friction, seed=seed,
                                   distance_m=make_terrain(ground).finish_x_m or 1.0, limit_s=2 * LIMIT_S))
-        found.append(_space(f"stairs of 8 steps of {1000 * want.stair_m:.0f} mm {kind}", specs,
+        found.append(_case(f"stairs of 8 steps of {1000 * want.stair_m:.0f} mm {kind}", specs,
                             f"{100 * least:g} %" if least else "", share(least)))
     return found
 
@@ -210,7 +211,7 @@ def pushes(options: Options, want: Wanted) -> list[Case]:
             push = Push(PUSH_AT_S + 0.5 * (0.618 * seed % 1), (newton * math.cos(turn), newton * math.sin(turn)))
             specs.append(replace(spec, seed=seed, push=push, limit_s=push.at_s + PUSH_WATCH_S))
         name = f"push of {want.table['push_m_s']:g} m/s at {speed:.3g} m/s"
-        found.append(_space(name, specs, f"{100 * least:g} % do not fall" if least else "",
+        found.append(_case(name, specs, f"{100 * least:g} % do not fall" if least else "",
                             share(least, lambda answer: not answer.figures["falls"])))
     return found
 
@@ -221,20 +222,13 @@ def stones(options: Options, want: Wanted) -> list[Case]:
     specs = [replace(spec, seed=seed, ground=GroundSpec("stones", STONES_M, start_m=0.25, length_m=1.8, seed=seed),
                      friction=FRICTIONS[seed % 2]) for seed in options.seeds(10)]
     least = want.table["stones_least"]
-    return [_space(f"stones of {1000 * STONES_M:g} mm at {want.stones_m_s:.3g} m/s", specs, f"{100 * least:g} %",
+    return [_case(f"stones of {1000 * STONES_M:g} mm at {want.stones_m_s:.3g} m/s", specs, f"{100 * least:g} %",
                    share(least))]
 
 
 def _slopes(options: Options, want: Wanted, where: str, angle_deg: float, least: float | None) -> list[Case]:
-    found = []
-    for kind in ("up", "down"):
-        ground = GroundSpec(f"slope-{kind}", angle_deg=angle_deg)
-        spec = WalkSpec(options.robot, options.gait, want.flat_m_s / 6, ground,
-                        distance_m=make_terrain(ground).finish_x_m or 1.5)
-        walks = trials(where, [drawn(spec, seed) for seed in options.seeds(5)])
-        name = f"slope of {angle_deg:g} deg {kind}"
-        found.append(Case(name, {where: walks}, "all arrive" if least else "", share(least)))
-    return found
+    return [_case(f"slope of {angle_deg:g} deg {kind}", slope_specs(options, kind, angle_deg, 5, want.flat_m_s / 6),
+                  "all arrive" if least else "", share(least), where) for kind in ("up", "down")]
 
 
 def slopes(options: Options, want: Wanted) -> list[Case]:
@@ -252,9 +246,7 @@ def load(options: Options, want: Wanted, where: str = SPACE) -> list[Case]:
 
 def plane(options: Options, want: Wanted) -> list[Case]:
     """Return the goals in the plane."""
-    def case(name: str, specs: Sequence[WalkSpec], limits: str, judge: Judge) -> Case:
-        return Case(name, {PLANE: trials(PLANE, list(specs))}, limits, judge)
-
+    case = partial(_case, where=PLANE)
     found = [case(f"flat at {speed:.3g} m/s", _level(options, speed), "within 5 %",
                   within(speed_m_s=_about(speed))) for speed in (want.flat_m_s, want.flat_m_s / 3, want.flat_m_s / 6)]
     spec = WalkSpec(options.robot, options.gait, want.flat_m_s / 6)
@@ -266,9 +258,8 @@ def plane(options: Options, want: Wanted) -> list[Case]:
     for kind, height_m, least in (("up", 0.4 * want.step_m, 1.0), ("up", 0.8 * want.step_m, 1.0),
                                   ("up", want.step_m, 0.95), ("up", want.high_m, None),
                                   ("box", 0.8 * want.step_m, 1.0)):
-        specs = step_specs(options, kind, height_m, want.climb_m_s, start_m=STEP_START_M)
-        name = f"{kind} {1000 * height_m:.0f} mm at {want.climb_m_s:.3g} m/s"
-        found.append(case(name, specs, f"{100 * least:g} %" if least else "", share(least)))
+        limits = f"{100 * least:g} %" if least else ""
+        found.append(_step(options, want, kind, height_m, limits, share(least), PLANE))
     return found + load(options, want, PLANE)
 
 

@@ -50,10 +50,10 @@ def attitudes(cases: list[tuple[str, Answer]], target: Path) -> None:
     figure.savefig(target, dpi=100)
 
 
-def _angles(recording: Any) -> list[tuple[str, Any, str]]:
-    if isinstance(recording, Recording):
+def _angles(recording: Recording) -> list[tuple[str, Any, str]]:
+    if recording.aside is None:
         return [("pitch (plane)", np.degrees(recording.torso_pitch_rad), _COLOURS[0])]
-    angles = np.degrees(recording.attitude_rad)
+    angles = np.degrees(recording.aside.attitude_rad)
     return [("roll (3-D)", angles[:, 0], _COLOURS[1]), ("pitch (3-D)", angles[:, 1], _COLOURS[0])]
 
 

@@ -7,8 +7,10 @@ from pathlib import Path
 
 from sim2d.view import animation_html
 
+from ...control.gait_changes import change_lines
 from ...robot.model import Robot
-from .case import Film, Found, Table
+from .case import Outcome, Table
+from .trials import Answer
 
 _STYLE = """
 body { font: 15px/1.45 system-ui, sans-serif; color: #222; max-width: 1150px; margin: 2rem auto; padding: 0 1rem }
@@ -22,14 +24,11 @@ iframe { width: 100%; height: 640px; border: 1px solid #ccd3dd } summary { curso
 """
 
 
-Section = tuple[str, str, Found, list[Film]]  # an experiment's name, title, figures and films
-
-
-def report_html(robot: Robot, gait: str, sections: Sequence[Section], folder: Path) -> str:
+def report_html(robot: Robot, gait: str, outcomes: Sequence[Outcome], folder: Path) -> str:
     """Return the page; the pictures are taken from ``folder``."""
     title = f"Experiments: {robot.name}, gait {gait}"
-    parts = [_section(robot, *section, folder) for section in sections]
-    contents = "".join(f'<li><a href="#{name}">{html.escape(told)}</a></li>' for name, told, _, _ in sections)
+    parts = [_section(robot, outcome, folder) for outcome in outcomes]
+    contents = "".join(f'<li><a href="#{each.name}">{html.escape(each.title)}</a></li>' for each in outcomes)
     intro = ("Plane: the project's own simulator of the sagittal plane. 3-D: the independent check in MuJoCo, with the "
              "same planner and servo law. Paper: the papers' measurements on their robots.")
     return (f'<!doctype html>\n<html lang="en"><head><meta charset="utf-8"><title>{html.escape(title)}</title>'
@@ -37,15 +36,15 @@ def report_html(robot: Robot, gait: str, sections: Sequence[Section], folder: Pa
             f"<h1>{html.escape(title)}</h1><p>{intro}</p><ul>{contents}</ul>\n{''.join(parts)}</body></html>\n")
 
 
-def _section(robot: Robot, name: str, title: str, found: Found, films: list[Film], folder: Path) -> str:
-    parts = [f'<section id="{name}"><h2>{html.escape(title)}</h2>']
-    parts += [_table(table) for table in found.tables]
-    for picture in found.pictures:
+def _section(robot: Robot, outcome: Outcome, folder: Path) -> str:
+    parts = [f'<section id="{outcome.name}"><h2>{html.escape(outcome.title)}</h2>']
+    parts += [_table(table) for table in outcome.found.tables]
+    for picture in outcome.found.pictures:
         data = base64.b64encode((folder / picture.name).read_bytes()).decode()
         caption = html.escape(picture.caption)
         parts.append(f'<figure><img alt="{caption}" src="data:image/png;base64,{data}">'
                      f"<figcaption>{caption}</figcaption></figure>\n")
-    parts += [_film(robot, film) for film in films]
+    parts += [_film(robot, *film) for film in outcome.films]
     return "".join(parts) + "</section>\n"
 
 
@@ -56,11 +55,13 @@ def _table(table: Table) -> str:
             f"<tr>{head}</tr>\n{rows}</table></div>\n")
 
 
-def _film(robot: Robot, film: Film) -> str:
+def _film(robot: Robot, title: str, answer: Answer) -> str:
     """Return an animation that is loaded when its line is opened."""
-    size_m = robot.links.trunk.size_m
-    recording = film.recording
-    page = animation_html(recording, film.title, recording.outcome.sentence, film.facts, (size_m[0] / 2, size_m[2] / 2))
-    return (f"<details><summary>{html.escape(film.title)}: {html.escape(recording.outcome.sentence)}</summary>"
-            f'<iframe loading="lazy" title="{html.escape(film.title)}" srcdoc="{html.escape(page)}"></iframe>'
+    size_m, figures, sentence = robot.links.trunk.size_m, answer.figures, answer.recording.outcome.sentence
+    facts = [("speed", f"{figures['mean_speed_m_s']:.4f} m/s"),
+             ("pitch range", f"{figures['pitch_range_deg']:.1f} deg"),
+             *change_lines(figures["gait_changes"]), ("outcome", str(figures["reason"]))]
+    page = animation_html(answer.recording, title, sentence, facts, (size_m[0] / 2, size_m[2] / 2))
+    return (f"<details><summary>{html.escape(title)}: {html.escape(sentence)}</summary>"
+            f'<iframe loading="lazy" title="{html.escape(title)}" srcdoc="{html.escape(page)}"></iframe>'
             "</details>\n")

@@ -2,30 +2,21 @@
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
+
+from sim2d.recording import Recording
 
 from ...util.errors import UserError
 from ...util.files import atomic_path, write_text
 from ...util.progress import Tell
 from ..workers.work import Workers
 from . import counts, goals, requirements, samples
-from .case import Answers, Case, Experiment, Film, Found, Row, films
+from .case import Answers, Case, Experiment, Found, Outcome, Row
 from .report import report_html
-from .trials import Options
+from .trials import PLANE, Options
 
 PAPERS = {**samples.EXPERIMENTS, **counts.EXPERIMENTS, "requirements": requirements.EXPERIMENT}
 EXPERIMENTS: dict[str, Experiment] = {**PAPERS, "goals": goals.EXPERIMENT}
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """An experiment that has run."""
-
-    name: str
-    title: str
-    found: Found
-    films: list[Film]
 
 
 def names_of(what: str) -> tuple[str, ...]:
@@ -46,8 +37,9 @@ def run_experiment(name: str, options: Options, workers: Workers, tell: Tell) ->
     found = experiment.sum_up(options, rows)
     head = {"experiment": name, "robot": options.robot.name, "gait": options.gait,
             "honest": options.robot.simulation.honest}
-    return Outcome(name, experiment.title, Found(head | found.result, found.tables, found.pictures),
-                   [film for row in rows for film in films(row)])
+    films = [(row.case.name, answer) for row in rows for answer in row.answers.get(PLANE, [])
+             if isinstance(answer.recording, Recording)]
+    return Outcome(name, experiment.title, Found(head | found.result, found.tables, found.pictures), films)
 
 
 def _answers(case: Case, by_trial: dict[int, object]) -> Answers:
@@ -66,6 +58,5 @@ def write_outcomes(options: Options, outcomes: Sequence[Outcome], folder: Path) 
                 picture.draw(draft)
             written.append(folder / picture.name)
     page = folder / "report.html"
-    sections = [(outcome.name, outcome.title, outcome.found, outcome.films) for outcome in outcomes]
-    write_text(page, report_html(options.robot, options.gait, sections, folder))
+    write_text(page, report_html(options.robot, options.gait, outcomes, folder))
     return [*written, page]

@@ -1,5 +1,10 @@
-"""Tables 1 and 2 of paper A: means and deviations beside the paper's, and t-tests of which cases differ."""
+"""Tables 1 and 2 of paper A: means and deviations beside the paper's, and t-tests of which cases differ.
 
+Student's t-test, two-sided, equal variances, from means and standard deviations, as paper A used it.
+"""
+
+import math
+import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -7,11 +12,45 @@ from typing import Any
 
 from ...sim.grounds import GroundSpec
 from ...sim.walk import WalkSpec
-from . import compare, plots
+from . import plots
 from .case import Case, Experiment, Found, Picture, Row, Table, by_simulator, rate
 from .data import papers
 from .foot_in_air import AirTrial
 from .trials import PLANE, SPACE, Answer, Options, Trial, drawn, trial_conditions, trials
+
+
+@dataclass(frozen=True)
+class Sample:
+    """A series of trials: their number, mean and sample standard deviation."""
+
+    n: int
+    mean: float
+    sd: float
+
+    def as_json(self) -> dict[str, float]:
+        """Return mean and standard deviation, six significant digits."""
+        return {"mean": float(f"{self.mean:.6g}"), "sd": float(f"{self.sd:.6g}")}
+
+
+def sample(values: Sequence[float]) -> Sample:
+    """Return the sample of some values; the deviation of a single one is 0."""
+    sd = statistics.stdev(values) if len(values) > 1 else 0.0
+    return Sample(len(values), statistics.fmean(values), sd)
+
+
+def published(n: int, quantity: dict[str, float]) -> Sample:
+    """Return a paper's figure as a sample."""
+    return Sample(n, quantity["mean"], quantity["sd"])
+
+
+def t_test(first: Sample, second: Sample) -> float | None:
+    """Return the two-sided p-value for equal means; None if nothing varies or n is too small."""
+    from scipy import stats
+
+    if min(first.n, second.n) < 2 or first.sd + second.sd <= 1e-9 * (abs(first.mean) + abs(second.mean)):
+        return None
+    p = stats.ttest_ind_from_stats(first.mean, first.sd, first.n, second.mean, second.sd, second.n).pvalue
+    return float(f"{float(p):.4g}") if math.isfinite(p) else None
 
 
 @dataclass(frozen=True)
@@ -24,11 +63,11 @@ class Quantity:
     scale: float = 1.0
     digits: int = 4
 
-    def sample(self, answers: Sequence[Answer]) -> compare.Sample | None:
+    def sample(self, answers: Sequence[Answer]) -> Sample | None:
         """Return the sample of the trials that arrived, None if none did or this simulator has no such figure."""
         key = self.key or self.name
         values = [float(answer.figures[key]) for answer in answers if answer.ok and key in answer.figures]
-        return compare.sample(values) if values else None
+        return sample(values) if values else None
 
     def text(self, part: dict[str, Any] | None) -> str:
         """Return its mean and deviation in what was counted, or in the paper's figures, for a table."""
@@ -114,10 +153,10 @@ def _t_test(quantity: Quantity, pair: list[Row]) -> dict[str, Any]:
     ours = {}
     for where in (PLANE, SPACE):
         first, second = (quantity.sample(row.answers.get(where, [])) for row in pair)
-        ours[where] = compare.t_test(first, second) if first and second else None
-    theirs = [compare.published(row.case.paper["n"], row.case.paper[quantity.name]) for row in pair]
+        ours[where] = t_test(first, second) if first and second else None
+    theirs = [published(row.case.paper["n"], row.case.paper[quantity.name]) for row in pair]
     return {"cases": " / ".join(row.case.name for row in pair), "quantity": quantity.name, "plane_p": ours[PLANE],
-            "three_d_p": ours[SPACE], "paper_p": compare.t_test(*theirs),
+            "three_d_p": ours[SPACE], "paper_p": t_test(*theirs),
             "paper_p_printed": pair[0].case.paper.get("printed_p", {}).get(quantity.name)}
 
 

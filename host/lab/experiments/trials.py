@@ -9,6 +9,7 @@ import numpy as np
 
 from sim2d.metrics import rate
 from sim2d.model import GRAVITY_M_S2
+from sim2d.recording import Recording
 
 from ...robot.model import Robot
 from ...sim.energy import drives_power_W, mean_power_W
@@ -87,7 +88,8 @@ class Trial:
 
     def run(self) -> Answer:
         """Simulate it."""
-        recording, figures, speeds_rad_s = (_in_space if self.where == SPACE else _in_plane)(self.spec)
+        recording, figures = (_in_space if self.where == SPACE else _in_plane)(self.spec)
+        speeds_rad_s = recording.joint_speed_rad_s
         robot, weight_N = self.spec.robot, (self.spec.robot.mass_kg + self.spec.payload_kg) * GRAVITY_M_S2
         figures |= {"seed": self.spec.seed, "start_m": self.spec.ground.start_m, "friction": self.spec.friction}
         acceleration_rad_s2 = rate(speeds_rad_s, recording.time_s)
@@ -99,22 +101,22 @@ class Trial:
         return Answer(figures, recording if self.keep else None)
 
 
-def _in_plane(spec: WalkSpec) -> tuple[Any, dict[str, Any], Any]:
+def _in_plane(spec: WalkSpec) -> tuple[Recording, dict[str, Any]]:
     recording = run_walk(spec)
     figures = walk_result(spec, recording)
     del figures["real_time_factor"]  # the one figure that differs from run to run
     figures["whole_pitch_range_deg"] = figures["pitch_range_deg"]
     figures["speed_m_s"] = _steady_speed_m_s(recording.time_s, recording.torso_x_m)
-    return recording, figures, recording.joint_speed_rad_s
+    return recording, figures
 
 
-def _in_space(spec: WalkSpec) -> tuple[Any, dict[str, Any], Any]:
+def _in_space(spec: WalkSpec) -> tuple[Recording, dict[str, Any]]:
     from ...sim.space.walk import figures, walk_in_space
 
     recording = walk_in_space(spec)
-    result = figures(recording, START_S)
-    result["crossing_s"] = _crossing_s(recording.time_s, recording.position_m[:, 0], spec.ground.start_m)
-    return recording, result, rate(recording.joint_rad, recording.time_s)
+    result = figures(recording, spec.way, START_S)
+    result["crossing_s"] = _crossing_s(recording.time_s, recording.torso_x_m, spec.ground.start_m)
+    return recording, result
 
 
 def _steady_speed_m_s(time_s: "np.ndarray[Any, Any]", x_m: "np.ndarray[Any, Any]") -> float:

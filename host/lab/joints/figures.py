@@ -148,7 +148,7 @@ class Direct(SimWalk):
 
     def _tick(self) -> None:
         pitch, rate = self.sim.body.pitch(self.sim.time_s)
-        self.driver.sense(self.sim.body.joint_rad, 0.0, pitch, (0.0, rate, 0.0))
+        self.driver.sense(self.sim.body.position_rad, 0.0, pitch, (0.0, rate, 0.0))
         goals = to_motor(self.robot, self.driver.step())
         for _ in range(LATE_MS // STEP_MS):
             self.sim.advance_ms(STEP_MS)

@@ -29,14 +29,13 @@ class _Torques:
             torque_Nm[i] = self.torque_Nm[i] - self._dry_Nm * max(-1.0, min(1.0, speed / SLOW_RAD_S))
 
 
-class TorqueBody:
+class TorqueBody(PlaneBody):
     """A robot seated on flat ground. ``step`` is one millisecond with twelve motor torques."""
 
     def __init__(self, robot: Robot, seed: int) -> None:
-        self.robot, pose = robot, seated_pose_rad(robot)
+        pose = seated_pose_rad(robot)
         self._drives = _Torques(planar_robot(robot).thigh_servo.coulomb_Nm)
-        self._body = PlaneBody(robot, pose, self._drives, seed)
-        self.world, self.joint_rad = self._body.world, self._body.position_rad
+        super().__init__(robot, pose, self._drives, seed)
         self.angle_rad = to_motor(robot, pose)
 
     @property
@@ -51,11 +50,11 @@ class TorqueBody:
 
     def pitch(self, time_s: float) -> tuple[float, float]:
         """Return pitch, rad, and its rate, rad/s, as an inertial sensor on the body measures them."""
-        sensed = self._body.sensed(time_s)
+        sensed = self.sensed(time_s)
         return sensed.pitch_rad, sensed.pitch_rate_rad_s
 
     def step(self, torque_Nm: Sequence[float]) -> None:
         """Go on a millisecond."""
         self._drives.torque_Nm[:] = [torque_Nm[joint] for joint in PLANAR_INDEX]
-        self._body.run(torque_Nm, 1, lambda joint, hinge: hinge.step(torque_Nm[joint], DT_S))
-        self.angle_rad[:] = to_motor(self.robot, self.joint_rad)
+        self.run(torque_Nm, 1, lambda joint, hinge: hinge.step(torque_Nm[joint], DT_S))
+        self.angle_rad[:] = to_motor(self.robot, self.position_rad)

@@ -4,27 +4,26 @@ The planner is the one the robot runs (host/control/planner.py), its attitude th
 """
 
 import math
+import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from sim2d.notes import Note
-from sim2d.recording import arrays_digest
+from sim2d.recording import Recording
 from sim2d.referee import Outcome, Referee
 
 from ...control.gait_changes import GaitWatch, notes_json
 from ...control.planner import Driver
 from ...imu.attitude import Attitude
 from ...robot.model import JOINT_NAMES, LEG_NAMES
-from ...robot.plane import planar_robot
 from ...util.errors import NOT_ACHIEVED, UserError
-from ..export.mjcf import ModelOptions, drives
+from ..export.mjcf import ModelOptions
 from ..grounds import make_ground
 from ..imu import SimulatedImu
 from ..walk import WAYS, WalkSpec
-from .world import Array, World
+from .side import recorded
+from .world import World
 
 # (dt_s, impratio): twice as fast as in the exported model, with the same figures of a gait.
 FAST = (0.002, 10.0)
@@ -32,33 +31,6 @@ FALL_TILT_RAD = math.radians(45.0)
 _SETTLE_S = 0.5
 _STANDING_UP_S = 20.0
 _ASIDE = {"ahead": (0.0, 1.0), "back": (0.0, 1.0), "left": (1.0, 0.0), "turn": (0.0, 0.0)}  # across each of WAYS
-
-
-@dataclass(frozen=True)
-class SpaceRecording:
-    """One row per control tick from the command to walk on; true values, not sensor readings."""
-
-    time_s: Array
-    position_m: Array
-    attitude_rad: Array
-    joint_rad: Array
-    goal_rad: Array
-    torque_Nm: Array
-    foot_load_N: Array
-    penetration_m: Array
-    stall_Nm: Array
-    outcome: Outcome
-    notes: tuple[Note, ...] = ()
-    way: str = "ahead"
-
-    def gone(self) -> Array:
-        """Return how far it has come along its way at each instant, m, or rad where it turns."""
-        places = np.column_stack((self.position_m[:, :2], self.attitude_rad[:, 2]))
-        return np.asarray((places - places[0]) @ np.array(WAYS[self.way], dtype=float))
-
-    def digest(self) -> str:
-        """SHA-256 of every array: equal for equal runs on the same machine."""
-        return arrays_digest(self)
 
 
 class SpaceWalker:
@@ -123,19 +95,23 @@ class _Log:
         tilt_rad = math.acos(max(-1.0, min(1.0, math.cos(attitude[0]) * math.cos(attitude[1]))))
         return self.referee.judge(time_s, gone, tilt_rad, trunk)
 
-    def close(self, outcome: Outcome) -> SpaceRecording:
-        """Return the recording."""
-        time, position, attitude, joint, goal, torque, load, penetration = (
-            np.array(column, dtype=float) for column in zip(*self._rows, strict=True)
-        )
-        attitude[:, 2] = np.unwrap(attitude[:, 2])
-        stall = [d.stall_torque_Nm for d in drives(planar_robot(self._spec.robot), self._spec.voltage_V)]
-        return SpaceRecording(time, position, attitude, joint, goal, torque, load, penetration, np.array(stall * 4),
-                              outcome, tuple(self._walker.watch.notes), self._spec.way)
+    def close(self, outcome: Outcome, wall_s: float) -> Recording:
+        """Return the recording; ``wall_s`` is the wall-clock time of the walk."""
+        columns = [np.array(column, dtype=float) for column in zip(*self._rows, strict=True)]
+        columns[2][:, 2] = np.unwrap(columns[2][:, 2])  # yaw
+        return recorded(self._spec, columns, outcome, self._walker.watch.notes, wall_s)
 
 
-def walk_in_space(spec: WalkSpec, progress: Callable[[float], None] | None = None) -> SpaceRecording:
-    """Simulate the walk; the same spec gives the same recording on the same machine."""
+def walk_in_space(spec: WalkSpec, progress: Callable[[float], None] | None = None) -> Recording:
+    """Simulate the walk; the same spec, the same recording on the same machine. UserError if it can't be done."""
+    try:
+        return _walk(spec, progress)
+    except (ValueError, ArithmeticError) as error:
+        raise UserError(f"walk: {error}") from error
+
+
+def _walk(spec: WalkSpec, progress: Callable[[float], None] | None) -> Recording:
+    began_s = time.perf_counter()
     walker = SpaceWalker(spec)
     walker.stand_up()
     log, push = _Log(walker, spec), spec.push
@@ -148,23 +124,25 @@ def walk_in_space(spec: WalkSpec, progress: Callable[[float], None] | None = Non
             walker.world.push(push.force_N if pushed else (0.0, 0.0))
         walker.tick()
         outcome = log.add(progress)
-    return log.close(outcome)
+    return log.close(outcome, time.perf_counter() - began_s)
 
 
-def figures(recording: SpaceRecording, skip_s: float = 4.0) -> dict[str, Any]:
-    """Return the walk's figures for JSON.
+def figures(rec: Recording, way: str = "ahead", skip_s: float = 4.0) -> dict[str, Any]:
+    """Return a walk's figures for JSON.
 
     ``mean_speed_m_s`` and the ``whole`` ranges are of the whole way; ``speed_m_s``, the other ranges and the torques
     leave out the first ``skip_s``, in which the robot starts. Yaw and sideways drift are per 1.5 m of way. Where the
     way is a turn, speeds are rad/s and the distance is rad.
     """
-    rec, seconds = recording, float(recording.time_s[-1])
+    assert rec.aside is not None
+    seconds = float(rec.time_s[-1])
     first = int(np.searchsorted(rec.time_s, skip_s)) if seconds > 2 * skip_s else 0
-    way_m = rec.gone()
-    degrees = np.degrees(rec.attitude_rad)
+    places = np.column_stack((rec.torso_x_m, rec.aside.torso_y_m, rec.aside.attitude_rad[:, 2]))
+    way_m = (places - places[0]) @ np.array(WAYS[way], dtype=float)
+    degrees = np.degrees(rec.aside.attitude_rad)
     steady_s = max(1e-9, seconds - float(rec.time_s[first]))
     gone_m = float(way_m[-1])
-    aside_m = float((rec.position_m[-1, :2] - rec.position_m[0, :2]) @ np.array(_ASIDE[rec.way]))
+    aside_m = float((places[-1, :2] - places[0, :2]) @ np.array(_ASIDE[way]))
     per_course = 1.5 / gone_m if gone_m > 0.05 else 0.0
     torque = np.sqrt(np.mean(rec.torque_Nm[first:] ** 2, axis=0)) / rec.stall_Nm
     names = [f"{leg}_{joint}" for leg in LEG_NAMES for joint in JOINT_NAMES]

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from host.lab.experiments import compare, counts, goals, requirements, run
+from host.lab.experiments import counts, goals, requirements, run, samples
 from host.lab.experiments.case import Case, Found, Row
 from host.lab.experiments.data import assumptions, papers
 from host.lab.experiments.foot_in_air import AirTrial
@@ -38,25 +38,25 @@ def test_the_papers_t_tests_are_reproduced():
     """The paper's printed p of table 1 are two-sided Student; those of table 2 one-sided, of the roll range."""
     table = papers()["table1"]
     for quantity, printed in table["printed_p"].items():
-        first, second = (compare.published(table["trials"], case[quantity]) for case in table["case"])
-        assert compare.t_test(first, second) == pytest.approx(printed, abs=5e-4)
+        first, second = (samples.published(table["trials"], case[quantity]) for case in table["case"])
+        assert samples.t_test(first, second) == pytest.approx(printed, abs=5e-4)
     cases = papers()["table2"]["case"]
     for at, ground in ((0, "flat"), (2, "stones")):
-        first, second = (compare.published(case["n"], case["roll_range_deg"]) for case in cases[at : at + 2])
-        assert compare.t_test(first, second) / 2 == pytest.approx(papers()["table2"]["printed_p"][ground], rel=0.02)
+        first, second = (samples.published(case["n"], case["roll_range_deg"]) for case in cases[at : at + 2])
+        assert samples.t_test(first, second) / 2 == pytest.approx(papers()["table2"]["printed_p"][ground], rel=0.02)
 
 
 def test_a_t_test_of_values_is_scipys():
     from scipy import stats
 
     a, b = [1.0, 2.0, 4.0, 4.5], [2.5, 3.5, 5.0, 6.0, 7.5]
-    assert compare.t_test(compare.sample(a), compare.sample(b)) == pytest.approx(stats.ttest_ind(a, b).pvalue, rel=1e-3)
+    assert samples.t_test(samples.sample(a), samples.sample(b)) == pytest.approx(stats.ttest_ind(a, b).pvalue, rel=1e-3)
 
 
 def test_no_p_value_where_nothing_varies():
-    same = compare.sample([1.0, 1.0, 1.0])
-    assert compare.t_test(same, compare.sample([2.0, 2.0])) is None
-    assert compare.t_test(compare.sample([1.0]), compare.sample([2.0, 3.0])) is None
+    same = samples.sample([1.0, 1.0, 1.0])
+    assert samples.t_test(same, samples.sample([2.0, 2.0])) is None
+    assert samples.t_test(samples.sample([1.0]), samples.sample([2.0, 3.0])) is None
 
 
 # --- requirements

@@ -3,7 +3,7 @@
 import pytest
 
 from host.bus.can.host_loops import SETPOINTS
-from host.commands.joints.spark import Curves, spark
+from host.commands.joints.table import Curves, spark
 from host.lab.joints import figures
 from host.robot.file import load_robot
 

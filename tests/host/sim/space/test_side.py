@@ -9,16 +9,17 @@ from host.robot.file import load_robot
 from host.robot.model import LEG_NAMES
 from host.sim.export.mjcf import ModelOptions
 from host.sim.grounds import GroundSpec
-from host.sim.space.side import run_in_space, side_view
-from host.sim.space.walk import SpaceRecording
+from host.sim.space.side import recorded
+from host.sim.space.walk import walk_in_space
 from host.sim.space.world import World
 from host.sim.walk import WalkSpec
+from sim2d.recording import rotations
 from sim2d.referee import Outcome
 
 
-def frozen(world, robot, rng):
+def frozen(spec, world, rng):
     """Return the recording of one instant: the robot anywhere, turned and bent at random."""
-    data, count = world.data, 12
+    data, robot, count = world.data, spec.robot, 12
     joints = np.array([rng.uniform(*robot.joint_limits_rad(leg)[joint]) for leg in range(4) for joint in range(3)])
     data.qpos[:3] = rng.uniform(-1, 1, 3)
     turn = rng.normal(size=4)
@@ -27,9 +28,8 @@ def frozen(world, robot, rng):
     mujoco.mj_forward(world.model, data)
     row, legs = np.zeros((1, count)), np.zeros((1, 4))
     attitude = np.array([world.attitude_rad()])
-    outcome = Outcome("completed", "")
-    return SpaceRecording(np.zeros(1), world.position_m()[None], attitude, joints[None], row, row, legs, np.zeros(1),
-                          np.ones(count), outcome)  # fmt: skip
+    columns = np.zeros(1), world.position_m()[None], attitude, joints[None], row, row, legs, np.zeros(1)
+    return recorded(spec, columns, Outcome("completed", ""))
 
 
 @pytest.mark.parametrize("name", ["caramelo", "parallel"])
@@ -38,14 +38,15 @@ def test_the_feet_are_where_mujoco_has_them(name):
     spec = WalkSpec(robot, "trot")
     world = World(robot.simulated(honest=False), ModelOptions(), 50)  # an honest joint is two hinges
     for _ in range(20):
-        seen = side_view(spec, frozen(world, robot, rng), 1.0)
+        seen = frozen(spec, world, rng)
         feet = [world.data.geom(f"{leg}_foot").xpos[[0, 2]] for leg in LEG_NAMES]
         assert np.allclose(seen.foot_xz_m[0], feet, atol=1e-9)
         knees = [world.data.body(f"{leg}_calf").xpos[[0, 2]] for leg in LEG_NAMES]
         assert np.allclose(seen.knee_xz_m[0], knees, atol=1e-9)
         left = [[world.data.body(f"{leg}_calf").xpos[1], world.data.geom(f"{leg}_foot").xpos[1]] for leg in LEG_NAMES]
         assert np.allclose(seen.aside.leg_y_m[0, :, 1:], left, atol=1e-9)
-        assert np.allclose(seen.aside.turn[0], world.data.body("trunk").xmat.reshape(3, 3), atol=1e-9)
+        turn = world.data.body("trunk").xmat.reshape(3, 3)
+        assert np.allclose(rotations(seen.aside.attitude_rad)[0], turn, atol=1e-9)
 
 
 def test_a_walk_in_space_has_the_figures_and_files_of_any_walk(run_json, tmp_path):
@@ -64,5 +65,5 @@ def test_another_world_is_refused(run):
 
 def test_a_walk_that_falls_over_in_space_says_so():
     spec = WalkSpec(load_robot("caramelo"), "paper-trot", ground=GroundSpec("step-up", 0.06, start_m=0.3), limit_s=20.0)
-    recording, _ = run_in_space(spec)
+    recording = walk_in_space(spec)
     assert not recording.outcome.ok

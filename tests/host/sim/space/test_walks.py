@@ -97,7 +97,7 @@ def test_a_push_moves_the_robot_and_a_hard_one_throws_it():
 
     still, soft, hard = map(pushed, (0.0, 0.5, 5.0))
     assert [answer.figures["falls"] for answer in (still, soft, hard)] == [0, 0, 1]
-    aside_m = [answer.recording.position_m[:, 1] for answer in (still, soft)]
+    aside_m = [answer.recording.aside.torso_y_m for answer in (still, soft)]
     at = int(2.0 * ROBOT.control.rate_hz)
     assert np.array_equal(aside_m[0][:at], aside_m[1][:at])
     assert np.max(aside_m[1] - aside_m[0]) > 0.03

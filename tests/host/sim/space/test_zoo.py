@@ -46,7 +46,7 @@ def test_every_robot_crawls(name):
     """On level ground, over the first steps of all four legs: A1 swayed in its soft joints until it fell."""
     walk = walk_in_space(WalkSpec(load_robot(name), "crawl", speed_m_s=0.02, distance_m=0.12))
     assert walk.outcome.kind == "arrived", walk.outcome.sentence
-    roll_deg, pitch_deg, _ = np.degrees(np.ptp(walk.attitude_rad, axis=0))
+    roll_deg, pitch_deg, _ = np.degrees(np.ptp(walk.aside.attitude_rad, axis=0))
     assert max(roll_deg, pitch_deg) < 7.0
 
 

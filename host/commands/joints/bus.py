@@ -1,10 +1,11 @@
-"""`caramelo joints busload`: prints how much of the bus the schedule takes."""
+"""`caramelo joints busload|dbc`: how much of the bus the schedule takes, and the protocol for other tools."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ...util.console import print_table, screen, write_json
+from ...util.console import print_table, say, screen, tell_written, write_json
 from ...util.errors import NOT_ACHIEVED, UserError
 from .options import Json, RobotName
 
@@ -30,14 +31,12 @@ def busload(
     from ...bus.can.load import busload as busload_of
     from ...bus.can.load import default_schedule
     from ...bus.can.pair import bus_of
-    from ...robot.file import load_robot
+    from ...robot.file import load_can_robot
 
-    data = load_robot(robot)
-    if data.bus.kind != "can":
-        raise UserError(f"{data.name} has no CAN bus; try --robot parallel")
-    count, hz = buses or len(data.bus.channels), rate or data.bus.rate_hz
+    _, own = load_can_robot(robot)
+    count, hz = buses or len(own.channels), rate or own.rate_hz
     nodes = [tuple(node for node in range(1, 13) if count == 1 or bus_of(node) == bus) for bus in range(count)]
-    loads = [busload_of(default_schedule(hz, part, (KINDS[data.bus.loops],)), data.bus.bitrate) for part in nodes]
+    loads = [busload_of(default_schedule(hz, part, (KINDS[own.loops],)), own.bitrate) for part in nodes]
     if as_json:
         each = [{"nodes": part, "rows": [vars(row) for row in rows]} for part, rows in zip(nodes, loads, strict=True)]
         write_json({"rate_hz": hz, "buses": each})
@@ -51,3 +50,29 @@ def busload(
 def _cells(row: "LoadRow") -> tuple[str, ...]:
     shares = (f"{100 * row.worst_share:.2f}", f"{100 * row.typical_share:.2f}")
     return row.name, str(row.length or ""), f"{row.frames_per_s:.0f}", *shares
+
+
+def dbc(
+    out: Annotated[Path | None, typer.Option(metavar="FILE", help="Write here instead of to the terminal.")] = None,
+    as_json: Json = False,
+) -> int:
+    """Write the protocol as a DBC file with a message for each identifier, for SavvyCAN, Kvaser's tools and cantools.
+
+    Example: caramelo joints dbc --out joints.dbc
+    """
+    from ...protocol import dbc as source
+    from ...protocol.generate_docs import expanded_dbc
+    from ...util.files import write_text
+
+    if as_json and out is None:
+        raise UserError("--json: a DBC file is not JSON; name the file with --out FILE")
+    text = expanded_dbc(source.load())
+    if out is None:
+        say(text.removesuffix("\n"))
+        return 0
+    write_text(out, text)
+    if as_json:
+        write_json({"file": str(out), "bytes": len(text.encode())})
+    else:
+        tell_written([out])
+    return 0
