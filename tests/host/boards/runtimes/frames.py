@@ -11,7 +11,7 @@ from host.boards.build.lower import lowered_modules
 from host.boards.build.rewrite import rewrite
 from host.boards.build.rules import hot_function
 from host.boards.build.source import Module, calls, resolve
-from host.boards.runtimes.process import run_command
+from host.boards.runtimes.base import run_command
 
 LARGEST_ON_STACK = 11  # words; VM_MAX_STATE_ON_STACK of py/vm.c
 
