@@ -298,7 +298,7 @@ class CanJoints(Bus):
         return self._try(self._arm)
 
     def clear_faults(self) -> None:
-        """See Bus; arming is another step."""
+        """Clear the joints' latched faults; arming is another step. UserError if a cause is still there."""
         self._settle(self._soon(self._clear))
 
     def try_clear_faults(self) -> bool:
