@@ -60,9 +60,6 @@ class ServoBus(Bus):
         self._warnings: list[str] = []
         self._firmware: set[int] = set()
         self._guardian: Guardian | None = None
-        self._forget()
-
-    def _forget(self) -> None:
         self._position, self._speed, self._load = [0.0] * JOINTS, [0.0] * JOINTS, [0.0] * JOINTS
         self._temperature, self._voltage, self._error = [0.0] * JOINTS, [0.0] * JOINTS, [""] * JOINTS
         self._fast_s, self._slow_s = [-inf] * JOINTS, [-inf] * JOINTS
