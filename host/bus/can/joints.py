@@ -200,7 +200,7 @@ class CanJoints(Bus):
     def firmware(self) -> str:
         """See Bus."""
         views = (self.link.views[node] for node in self.link.nodes)
-        builds = {view.build for view in views if view.heartbeat_s > -inf}
+        builds = {view.heartbeat.build for view in views if view.heartbeat_s > -inf}
         return ", ".join(f"build {build:06x}" for build in sorted(builds))
 
     def now(self) -> float:

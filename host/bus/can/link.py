@@ -61,11 +61,6 @@ class JointView:
         """Return whether the joint obeys set-points."""
         return self.state == w.STATE_OPERATION_ENABLED
 
-    @property
-    def build(self) -> int:
-        """Return the first 24 bits of the build of the joint's firmware."""
-        return self.heartbeat.build
-
 
 @dataclass(frozen=True)
 class Response:
