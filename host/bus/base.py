@@ -121,13 +121,11 @@ class Bus(ABC):
         self.torque(True)
         return True
 
-    def clear_faults(self) -> None:
-        """Clear the joints' latched faults, if they latch any; arms nothing. UserError if a cause is still there."""
-        return
-
     def try_clear_faults(self) -> bool:
-        """Clear the joints' latched faults without taking longer than a tick; like ``try_torque``."""
-        self.clear_faults()
+        """Clear the joints' latched faults, if they latch any; like ``try_torque``, but arms nothing.
+
+        UserError if a cause is still there.
+        """
         return True
 
     @abstractmethod

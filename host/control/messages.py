@@ -105,13 +105,17 @@ OPTIONAL = {"drive": {"t_ms": _TIME}, "stop": {"t_ms": _TIME}}
 
 def parse(text: str | bytes, all_keys: Keys = KEYS) -> Message:
     """Return a checked message, or raise BadMessage."""
+    return check(decode(text), all_keys)
+
+
+def decode(text: str | bytes) -> Any:
+    """Return the value of some JSON that is no longer than a message, or raise BadMessage."""
     if len(text) > LONGEST:
         raise BadMessage(f"{len(text)} bytes, allowed at most {LONGEST}")
     try:
-        value = json.loads(text, parse_constant=_no_constant)
+        return json.loads(text, parse_constant=_no_constant)
     except (ValueError, RecursionError):
         raise BadMessage("not JSON") from None
-    return check(value, all_keys)
 
 
 def check(value: Any, all_keys: Keys = KEYS) -> Message:

@@ -25,6 +25,8 @@ from .safety import Fault, Safety, how_it_lies, lies_over, torque_limit
 STRETCHED = 0.5
 # How far ahead a falling robot's tilt is extrapolated (chosen: to be limp within 0.1 s).
 FALLS_S = 0.1
+# Walking to a stop, sitting down and letting go take a few seconds; after this the robot is let go where it is.
+LEAVING_S = 20.0
 OVER = object()
 STATES = ("disarmed", "standing up", "standing", "walking", "crawling", "lifted", "sitting", "fault")
 Attitude = tuple[float, float] | None

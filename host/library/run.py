@@ -11,6 +11,7 @@ from ..control.health import Finding, findings
 from ..control.loop import Loop
 from ..control.messages import Drive, Message
 from ..control.opening import open_supervisor
+from ..control.supervisor import LEAVING_S
 from ..control.telemetry import Extra, about, status
 from ..robot.model import Robot
 from .errors import Error, Fault, NotAchieved
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from ..records.recorder import Recorder
 
 CLIENT = Client("script")
-# Walking to a stop, sitting down and letting go take a few seconds; after this the robot is let go where it is.
-LEAVING_S = 20.0
 
 
 class Run:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from ..control.arbiter import Client
-from ..control.messages import Message
+from ..control.messages import Drive, Message
 from ..robot.model import Robot
 from ..util.errors import UserError
 from .keyboard import Fastest
@@ -65,15 +65,8 @@ class Gamepad:
             return []
         pitch_rad, stick = self._robot.body_limits.angles_rad[1], self._axes
         ahead_m_s, aside_m_s, turning_rad_s = self._fastest()
-        return [
-            {
-                "type": "drive",
-                "vx_m_s": -stick[ABS_Y] * ahead_m_s,
-                "vy_m_s": -stick[ABS_X] * aside_m_s,
-                "wz_rad_s": -stick[ABS_RX] * turning_rad_s,
-                "pose": [0.0, 0.0, 0.0, 0.0, -stick[ABS_RY] * pitch_rad, 0.0],
-            }
-        ]
+        speeds = -stick[ABS_Y] * ahead_m_s, -stick[ABS_X] * aside_m_s, -stick[ABS_RX] * turning_rad_s
+        return [Drive(*speeds, (0.0, 0.0, 0.0, 0.0, -stick[ABS_RY] * pitch_rad, 0.0)).message()]
 
     def _share(self, axis: int, value: int) -> float:
         """Return a stick's position, -1 .. 1, 0 near the middle."""

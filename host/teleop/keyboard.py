@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ..control.arbiter import Client
-from ..control.messages import Message
+from ..control.messages import Drive, Message
 from ..robot.gait_names import gait_names
 from ..robot.model import Robot
 
@@ -123,13 +123,8 @@ class Keys:
 
     def _drive(self, vx: float, vy: float, wz: float) -> Message:
         ahead_m_s, aside_m_s, turning_rad_s = (self.share * most for most in self.fastest())
-        return {
-            "type": "drive",
-            "vx_m_s": vx * ahead_m_s,
-            "vy_m_s": vy * aside_m_s,
-            "wz_rad_s": wz * turning_rad_s,
-            "pose": list(self.pose),
-        }
+        speeds = vx * ahead_m_s, vy * aside_m_s, wz * turning_rad_s
+        return {**Drive(*speeds).message(), "pose": list(self.pose)}
 
 
 class Keyboard:

@@ -8,13 +8,12 @@ from typing import Any
 
 from ..control.arbiter import Client
 from ..control.loop import Loop
-from ..control.messages import Message
+from ..control.messages import Drive, Message
 
 SEND_S = 0.1
 STAND_UP_S = 20.0  # a robot that does not stand by then will not stand at all
 SPEED_SHARE = 0.5
 CLIENT = Client("script")
-LEVEL = [0.0] * 6
 
 
 class Measure:
@@ -66,8 +65,7 @@ class Measure:
         self.figures = loop.timing()
 
     def _stick(self) -> Message:
-        now_ms = time.time() * 1000
-        return {"type": "drive", "vx_m_s": self._vx_m_s, "vy_m_s": 0.0, "wz_rad_s": 0.0, "pose": LEVEL, "t_ms": now_ms}
+        return {**Drive(self._vx_m_s).message(), "t_ms": time.time() * 1000}
 
     def _end(self, loop: Loop, took_s: float) -> None:
         self.done = True

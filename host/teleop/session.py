@@ -18,7 +18,7 @@ from ..control.hardware import Hardware
 from ..control.loop import Loop
 from ..control.messages import Message
 from ..control.opening import open_supervisor
-from ..control.supervisor import Supervisor
+from ..control.supervisor import LEAVING_S, Supervisor
 from ..control.telemetry import Extra, StartCheck, about, status
 from ..robot.file import find
 from ..robot.model import Robot
@@ -36,8 +36,6 @@ from .terminal import Screen, raw_keys
 
 STATUS_HZ = 20
 GAMEPAD_HZ = 20
-# Walking to a stop, sitting down and letting go take a few seconds; after this time the robot lets go where it is.
-LEAVING_S = 20.0
 END_S = 6.0  # for record, page and screen together; a record on a slow disk takes a while
 
 

@@ -5,7 +5,6 @@ Python prefers. The wire's codec stays as it is: its frames are arrays of severa
 """
 
 import importlib.util
-import os
 import shutil
 import subprocess
 import sys
@@ -17,6 +16,7 @@ from ... import ROOT
 from ...util.errors import NOT_ACHIEVED, UserError
 from ...util.extras import how_to_get
 from ..core import PACKAGE
+from . import c_compile
 from .source import BuildError, Module, read_modules
 from .typed import typed_modules
 
@@ -34,12 +34,7 @@ def why_not() -> str | None:
     for library in ("mypyc", "setuptools"):
         if importlib.util.find_spec(library) is None:
             return f"{library} is not installed: {how_to_get(library)}"
-    compiler = (os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc").split()[0]
-    if shutil.which(compiler) is None:
-        return f"there is no C compiler {compiler}: install one, on Debian apt-get install gcc python3-dev"
-    if not Path(sysconfig.get_path("include"), "Python.h").exists():
-        return "Python's C headers are missing: on Debian, apt-get install python3-dev"
-    return None
+    return c_compile.why_not()
 
 
 def build_core(target: Path, root: Path = ROOT, package: str = PACKAGE) -> None:

@@ -43,8 +43,8 @@ def check_sources(micropython: Path) -> str:
     return ".".join(numbers)
 
 
-def check_compiler() -> str:
-    """Return the compiler's version; UserError with what to install if it or its headers are missing."""
+def check_compiler() -> None:
+    """UserError with what to install if the compiler or its headers are missing."""
     for program in (GCC, OBJCOPY, SIZE, NM, "make"):
         if shutil.which(program) is None:
             raise UserError(f"{program} is not installed: {COMPILER_PACKAGES}")
@@ -52,7 +52,6 @@ def check_compiler() -> str:
     done = subprocess.run([GCC, "-fsyntax-only", "-xc", "-"], input=include, text=True, capture_output=True)
     if done.returncode:
         raise UserError(f"{GCC} finds no string.h: {COMPILER_PACKAGES}")
-    return run([GCC, "-dumpfullversion"]).strip()
 
 
 def run(command: Sequence[str]) -> str:

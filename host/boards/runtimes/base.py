@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import subprocess
 from abc import ABC, abstractmethod
 from pathlib import Path
 from typing import Any
@@ -60,6 +61,19 @@ class Runtime(ABC):
         if len(found) < wanted:
             raise RuntimeFailure(f"{self.name}: no answer; it printed: {output.strip()[-2000:]!r}")
         return found
+
+
+def run_command(command: list[str], folder: Path, timeout_s: float, name: str) -> str:
+    """Return the output of ``command`` in ``folder``; RuntimeFailure if it fails or takes too long."""
+    try:
+        done = subprocess.run(
+            command, cwd=folder, capture_output=True, text=True, timeout=timeout_s, stdin=subprocess.DEVNULL
+        )
+    except subprocess.TimeoutExpired as error:
+        raise RuntimeFailure(f"{name}: no answer within {timeout_s:g} s") from error
+    if done.returncode:
+        raise RuntimeFailure(f"{name}: exit {done.returncode}: {(done.stderr or done.stdout).strip()[-2000:]}")
+    return done.stdout
 
 
 def compile_sources(sources: Path, work: Path, emitter: str, arch: str) -> Path:

@@ -3,8 +3,7 @@
 import sys
 from pathlib import Path
 
-from .base import Runtime
-from .process import run_command
+from .base import Runtime, run_command
 
 
 class CPython(Runtime):

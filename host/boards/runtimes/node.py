@@ -11,8 +11,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from .base import Runtime, RuntimeFailure
-from .process import run_command
+from .base import Runtime, RuntimeFailure, run_command
 from .wasi import cache_folder
 
 PACKAGE = "@micropython/micropython-webassembly-pyscript"

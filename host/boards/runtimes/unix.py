@@ -5,8 +5,7 @@ import sys
 from pathlib import Path
 
 from ...util.extras import not_installed
-from .base import Runtime
-from .process import run_command
+from .base import Runtime, run_command
 
 
 class Unix(Runtime):

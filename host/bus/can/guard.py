@@ -93,10 +93,10 @@ class Guard:
 
     def _mixed(self) -> list[Notice]:
         heard = [self.link.views[node] for node in self.link.nodes if self.link.views[node].heartbeat_s > -inf]
-        builds = sorted({view.build for view in heard})
+        builds = sorted({view.heartbeat.build for view in heard})
         if len(builds) < 2:
             return []
-        counts = {build: [v.node for v in heard if v.build == build] for build in builds}
+        counts = {build: [v.node for v in heard if v.heartbeat.build == build] for build in builds}
         told = "; ".join(f"build {build:06x} on nodes {', '.join(map(str, n))}" for build, n in counts.items())
         text = f"the joints have different firmware: {told}; caramelo flash --can --all gives all the same"
         return [Notice(0, "versions", text, "refuse")]

@@ -13,7 +13,7 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass, field
+from functools import partial
 from math import inf, tau
 
 from shared.wire import names as w
@@ -50,24 +50,6 @@ _RAD_PER_BRAD = tau / 65536
 _RAD_S_PER_WIRE = tau / 4096
 
 
-@dataclass
-class Work:
-    """Work for the cycle's thread, and its outcome; an emergency stop after ``stops`` ends it."""
-
-    do: Callable[[], None]
-    stops: int
-    result: "Future[None]" = field(default_factory=Future)
-
-    def run(self) -> None:
-        """Do it and keep how it ended."""
-        try:
-            self.do()
-        except Exception as error:
-            self.result.set_exception(error)
-        else:
-            self.result.set_result(None)
-
-
 class CanJoints(Bus):
     """``pose_rad`` is the robot's sitting pose when it is switched on: joints without an encoder home there."""
 
@@ -96,12 +78,11 @@ class CanJoints(Bus):
         self._threaded, self._over = threaded, threading.Event()
         self._thread: threading.Thread | None = None
         self._failure: Exception | None = None
-        self._waiting: queue.SimpleQueue[Work] = queue.SimpleQueue()
-        self._work: Work | None = None  # that is being done
-        self._stops = 0
-        self._arming: Future[None] | None = None
-        self._clearing: Future[None] | None = None
-        self._asked_s = 0.0
+        self._waiting: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self._stops = 0  # emergency stops so far
+        self._stops_before: int | None = None  # the work that is being done was asked for
+        self._tried: dict[Callable[[], None], Future[None]] = {}  # what a loop asks for again in every tick
+        self._tried_s = 0.0  # when it last asked for torque
 
     def open(self) -> None:
         """See Bus: listen, look for boards, refuse joints that must not be armed, home joints without an encoder."""
@@ -151,23 +132,30 @@ class CanJoints(Bus):
                 self.port.wait_until(due_s)
                 self.cycle.run_until(max(due_s, self.port.now()))
                 if not self._waiting.empty():
-                    self._do(self._waiting.get_nowait())
+                    self._waiting.get_nowait()()
         except Exception as error:
             self._failure = error  # without set-points the joints damp; the caller learns of it at once
 
-    def _do(self, work: Work) -> None:
-        self._work = work
-        work.run()
-        self._work = None
-
-    def _soon(self, do: Callable[[], None]) -> "Future[None]":
-        """Let the cycle's thread do something; without a thread do it now."""
-        work = Work(do, self._stops)
-        if self._thread is None:
-            self._do(work)
+    def _do(self, work: Callable[[], None], stops: int, result: "Future[None]") -> None:
+        """Do some work and keep how it ended; an emergency stop after ``stops`` of them ends it."""
+        self._stops_before = stops
+        try:
+            work()
+        except Exception as error:
+            result.set_exception(error)
         else:
-            self._waiting.put(work)
-        return work.result
+            result.set_result(None)
+        self._stops_before = None
+
+    def _soon(self, work: Callable[[], None]) -> "Future[None]":
+        """Let the cycle's thread do something; without a thread do it now."""
+        result: Future[None] = Future()
+        do = partial(self._do, work, self._stops, result)
+        if self._thread is None:
+            do()
+        else:
+            self._waiting.put(do)
+        return result
 
     def _settle(self, asked: "Future[None]") -> None:
         """Wait until it is done; raises what went wrong. For commands, not for a loop."""
@@ -178,7 +166,7 @@ class CanJoints(Bus):
 
     def _still_wanted(self) -> Requests:
         """Return the requests to use during some work; UserError if an emergency stop came meanwhile."""
-        if self._work is not None and self._work.stops != self._stops:
+        if self._stops_before not in (None, self._stops):
             raise UserError(OVERTAKEN, NOT_ACHIEVED)
         return self.requests
 
@@ -212,7 +200,7 @@ class CanJoints(Bus):
     def firmware(self) -> str:
         """See Bus."""
         views = (self.link.views[node] for node in self.link.nodes)
-        builds = {view.build for view in views if view.heartbeat_s > -inf}
+        builds = {view.heartbeat.build for view in views if view.heartbeat_s > -inf}
         return ", ".join(f"build {build:06x}" for build in sorted(builds))
 
     def now(self) -> float:
@@ -222,9 +210,9 @@ class CanJoints(Bus):
     def read(self) -> Measured:
         """See Bus: what the cycle has heard."""
         self._check_thread()
-        arming = self._arming
-        if arming is not None and arming.done() and self.now() - self._asked_s > ABANDONED_S:
-            self._arming = None
+        arming = self._tried.get(self._arm)
+        if arming is not None and arming.done() and self.now() - self._tried_s > ABANDONED_S:
+            self._tried.pop(self._arm, None)
             self.torque(False)
         if self._thread is None:
             self.link.receive()
@@ -306,29 +294,26 @@ class CanJoints(Bus):
 
     def try_torque(self) -> bool:
         """See Bus. Torque that the caller no longer waits for is taken away again."""
-        self._asked_s = self.now()
-        arming = self._arming  # another thread's stop may forget it
-        if arming is None:
-            arming = self._arming = self._soon(self._arm)
-        if not arming.done():
-            return False
-        self._arming = None
-        arming.result()
-        return True
+        self._tried_s = self.now()
+        return self._try(self._arm)
 
     def clear_faults(self) -> None:
-        """See Bus; arming is another step."""
+        """Clear the joints' latched faults; arming is another step. UserError if a cause is still there."""
         self._settle(self._soon(self._clear))
 
     def try_clear_faults(self) -> bool:
         """See Bus."""
-        clearing = self._clearing  # as above
-        if clearing is None:
-            clearing = self._clearing = self._soon(self._clear)
-        if not clearing.done():
+        return self._try(self._clear)
+
+    def _try(self, work: Callable[[], None]) -> bool:
+        """Return whether work is done that was asked for now or before; raises what went wrong."""
+        asked = self._tried.get(work)  # another thread's stop may forget it
+        if asked is None:
+            asked = self._tried[work] = self._soon(work)
+        if not asked.done():
             return False
-        self._clearing = None
-        clearing.result()
+        self._tried.pop(work, None)
+        asked.result()
         return True
 
     def _clear(self) -> None:
@@ -343,7 +328,7 @@ class CanJoints(Bus):
     def emergency_stop(self) -> None:
         """See Bus: one frame to all, before any other, repeated until all joints have confirmed that they are off."""
         self._stops += 1
-        self._arming = self._clearing = None
+        self._tried.clear()
         self.cycle.stop()
 
     def close(self) -> None:

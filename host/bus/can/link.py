@@ -38,6 +38,7 @@ class JointView:
     reply_s: float = -inf
     status_s: float = -inf
     heartbeat_s: float = -inf
+    fault_s: float = -inf
     replies: int = 0
     lost: int = 0
     late: int = 0
@@ -60,11 +61,6 @@ class JointView:
         """Return whether the joint obeys set-points."""
         return self.state == w.STATE_OPERATION_ENABLED
 
-    @property
-    def build(self) -> int:
-        """Return the first 24 bits of the build of the joint's firmware."""
-        return self.heartbeat.build
-
 
 @dataclass(frozen=True)
 class Response:
@@ -78,10 +74,12 @@ class Response:
     value: int
 
 
-_BLOCKS: dict[int, tuple[int, Callable[..., int]]] = {
-    w.SLOW_STATUS_ID: (w.SLOW_STATUS_LENGTH, codec.decode_slow_status),
-    w.HEARTBEAT_ID: (w.HEARTBEAT_LENGTH, codec.decode_heartbeat),
-    w.FAULT_ID: (w.FAULT_LENGTH, codec.decode_fault),
+# What a joint reports: the length, and where in its view it goes
+_REPORTS: dict[int, tuple[int, Callable[..., int], str]] = {
+    w.REPLY_ID: (w.REPLY_LENGTH, codec.decode_reply, "reply"),
+    w.SLOW_STATUS_ID: (w.SLOW_STATUS_LENGTH, codec.decode_slow_status, "status"),
+    w.HEARTBEAT_ID: (w.HEARTBEAT_LENGTH, codec.decode_heartbeat, "heartbeat"),
+    w.FAULT_ID: (w.FAULT_LENGTH, codec.decode_fault, "fault"),
 }
 
 
@@ -163,34 +161,26 @@ class JointLink:
         if node < 0 or block < 0 or len(data) > 8:
             return
         self._in.data[: len(data)] = data
-        if block == w.REPLY_ID:
-            self._take_reply(self.views[node], time_s, len(data))
-        elif block in _BLOCKS:
-            self._take_state(self.views[node], block, time_s, len(data))
+        if block in _REPORTS:
+            self._take_report(self.views[node], block, time_s, len(data))
         elif block == w.SERVICE_RESPONSE_ID:
             self._take_response(node, len(data))
 
-    def _take_reply(self, view: JointView, time_s: float, length: int) -> None:
-        if length < w.REPLY_LENGTH or codec.decode_reply(self._in.words, view.reply):
+    def _take_report(self, view: JointView, block: int, time_s: float, length: int) -> None:
+        needed, decode, name = _REPORTS[block]
+        if length < needed or decode(self._in.words, getattr(view, name)):
             view.bad += 1
             return
-        view.reply_s = time_s
+        setattr(view, f"{name}_s", time_s)
+        if block == w.REPLY_ID:
+            self._count_reply(view)
+
+    def _count_reply(self, view: JointView) -> None:
         view.replies += 1
         if view.answered and view.lost:
             view.lost -= 1
             view.late += 1
         view.answered = True
-
-    def _take_state(self, view: JointView, block: int, time_s: float, length: int) -> None:
-        needed, decode = _BLOCKS[block]
-        target = {w.SLOW_STATUS_ID: view.status, w.HEARTBEAT_ID: view.heartbeat, w.FAULT_ID: view.fault}[block]
-        if length < needed or decode(self._in.words, target):
-            view.bad += 1
-            return
-        if block == w.SLOW_STATUS_ID:
-            view.status_s = time_s
-        elif block == w.HEARTBEAT_ID:
-            view.heartbeat_s = time_s
 
     def _take_response(self, node: int, length: int) -> None:
         if length >= w.SERVICE_RESPONSE_LENGTH and not codec.decode_service_response(self._in.words, self._answer):

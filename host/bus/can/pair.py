@@ -4,13 +4,10 @@ Frames to one joint go to its bus, frames to all go to both. The host passes an 
 one bus, it sends it on the other before it reads anything else.
 """
 
-from dataclasses import astuple
-from operator import add
-
 from shared.wire import names as w
 from shared.wire.framing import frame_block, frame_node, setpoint_group
 
-from .port import Port, PortCounters, Received
+from .port import Port, Received
 
 REAR = 7  # first node of the second bus: 1 + 3 x leg + joint, legs FR, FL, RR, RL
 
@@ -33,23 +30,14 @@ def buses_for(identifier: int) -> tuple[int, ...]:
 
 
 class PairPort(Port):
-    """Two ports of one machine, combined."""
+    """Two ports of one machine, combined; both count together."""
 
     def __init__(self, front: Port, rear: Port) -> None:
         super().__init__()
         self.ports = (front, rear)
         self.name, self.bitrate = f"{front.name} and {rear.name}", front.bitrate
+        front.counters = rear.counters = self.counters
         self._next = 0
-
-    @property
-    def counters(self) -> PortCounters:
-        """Return the sum of both buses' counters."""
-        a, b = (port.counters for port in self.ports)
-        return PortCounters(*map(add, astuple(a), astuple(b)))
-
-    @counters.setter
-    def counters(self, value: PortCounters) -> None:
-        """The ports count themselves."""
 
     def send(self, identifier: int, data: bytes) -> bool:
         """See Port: True if every bus it concerns has taken it."""

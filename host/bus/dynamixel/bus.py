@@ -60,9 +60,6 @@ class ServoBus(Bus):
         self._warnings: list[str] = []
         self._firmware: set[int] = set()
         self._guardian: Guardian | None = None
-        self._forget()
-
-    def _forget(self) -> None:
         self._position, self._speed, self._load = [0.0] * JOINTS, [0.0] * JOINTS, [0.0] * JOINTS
         self._temperature, self._voltage, self._error = [0.0] * JOINTS, [0.0] * JOINTS, [""] * JOINTS
         self._fast_s, self._slow_s = [-inf] * JOINTS, [-inf] * JOINTS
@@ -163,43 +160,39 @@ class ServoBus(Bus):
         if self._guardian is not None:
             self._guardian.beat(self._torque)
 
+    def _answers(self, block: tuple[int, int], joints: Sequence[int] = range(JOINTS)) -> dict[int, Answer]:
+        """Return the good answers to one request for (address, length), by joint."""
+        answers = self.link.read_all([self._ids[joint] for joint in joints], block)
+        return {joint: answers[self._ids[joint]] for joint in joints if self._ids[joint] in answers}
+
     def _take_fast(self, now_s: float) -> None:
-        answers, alerted = self.link.read_all(self._ids, t.FAST_BLOCK), []
-        for joint, servo in enumerate(self._ids):
-            answer = answers.get(servo)
+        answers, alerted = self._answers(t.FAST_BLOCK), []
+        for joint, mount in enumerate(self.calibration.joints):
+            answer = answers.get(joint)
             if answer is None:
                 self.counters.per_joint_lost[joint] += 1
                 continue
-            mount = self.calibration.joints[joint]
             self._position[joint] = mount.angle_rad(answer.value(t.PRESENT_POSITION), self._per_rad[joint])
             self._speed[joint] = answer.value(t.PRESENT_VELOCITY) * self._speed_scale[joint]
             self._load[joint] = mount.sign * answer.value(t.PRESENT_LOAD) * t.LOAD_SHARE
             self._fast_s[joint] = now_s
             if answer.alert and not self._error[joint]:
                 alerted.append(joint)
-        self._ask_trouble(alerted)
+        if alerted:
+            self._ask_trouble(alerted)
 
     def _ask_trouble(self, joints: list[int]) -> None:
         """Ask servos with the alert flag what is wrong."""
-        if not joints:
-            return
         register = t.HARDWARE_ERROR
-        answers = self.link.read_all([self._ids[joint] for joint in joints], (register.address, register.size))
-        for joint in joints:
-            answer = answers.get(self._ids[joint])
-            if answer is not None:
-                self._error[joint] = t.hardware_error_text(answer.value(register))
+        for joint, answer in self._answers((register.address, register.size), joints).items():
+            self._error[joint] = t.hardware_error_text(answer.value(register))
 
     def _take_slice(self, now_s: float) -> None:
         """Ask one leg: for voltage and heat in one round, for torque, errors and watchdog in the next."""
         self._cycle = (self._cycle + 1) % SLICES
         joints = range(self._cycle % 4 * 3, self._cycle % 4 * 3 + 3)
         block = t.SLOW_BLOCK if self._cycle < 4 else t.STATE_BLOCK
-        answers = self.link.read_all([self._ids[joint] for joint in joints], block)
-        for joint in joints:
-            answer = answers.get(self._ids[joint])
-            if answer is None:
-                continue
+        for joint, answer in self._answers(block, joints).items():
             if block is t.SLOW_BLOCK:
                 self._voltage[joint] = answer.value(t.PRESENT_VOLTAGE) * t.VOLTS
                 self._temperature[joint] = float(answer.value(t.PRESENT_TEMPERATURE))
@@ -260,8 +253,8 @@ class ServoBus(Bus):
     def _hold_here(self) -> bool:
         """Torque on with the present positions as goals, watchdog running; checked, as servos do not confirm it."""
         self._stopped = False
-        present = self.link.read_all(self._ids, t.FAST_BLOCK)
-        silent = [joint for joint, servo in enumerate(self._ids) if servo not in present]
+        present = self._answers(t.FAST_BLOCK)
+        silent = [joint for joint in range(JOINTS) if joint not in present]
         if not silent:
             self._switch_on(present)
         reasons = dict.fromkeys(silent, SILENT) or self._not_holding()
@@ -282,7 +275,7 @@ class ServoBus(Bus):
             self._guardian.beat(True)
         self._tell_all(t.WATCHDOG, 0)
         self._tell_all(t.GOAL_PWM, self._pwm)
-        positions = {servo: answer.value(t.PRESENT_POSITION) for servo, answer in present.items()}
+        positions = {self._ids[joint]: answer.value(t.PRESENT_POSITION) for joint, answer in present.items()}
         goals = {servo: min(max(at, 0), t.COUNTS_PER_TURN - 1) for servo, at in positions.items()}
         self.link.write_all(t.GOAL_POSITION, goals)
         self._tell_all(t.TORQUE_ENABLE, 1)
@@ -290,9 +283,9 @@ class ServoBus(Bus):
 
     def _not_holding(self) -> dict[int, str]:
         """Return the joints that do not hold, and why."""
-        answers, reasons = self.link.read_all(self._ids, t.STATE_BLOCK), {}
-        for joint, servo in enumerate(self._ids):
-            answer = answers.get(servo)
+        answers, reasons = self._answers(t.STATE_BLOCK), {}
+        for joint in range(JOINTS):
+            answer = answers.get(joint)
             if answer is None:
                 reasons[joint] = SILENT
             elif not answer.value(t.TORQUE_ENABLE):
@@ -318,7 +311,7 @@ class ServoBus(Bus):
         """Let go until all servos confirm it, or have been asked often enough."""
         for _ in range(OFF_TRIES):
             self._let_go()
-            answers = self.link.read_all(self._ids, (t.TORQUE_ENABLE.address, t.TORQUE_ENABLE.size))
+            answers = self._answers((t.TORQUE_ENABLE.address, t.TORQUE_ENABLE.size))
             if sum(not answer.data[0] for answer in answers.values()) == JOINTS:
                 return
 

@@ -4,13 +4,12 @@ A viewer is a connection. None of its messages counts before it has paired, beca
 machine shows could also connect. Limits are those of the page's messages.
 """
 
-import json
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from ...control.messages import LONGEST, BadMessage, Drive, Message, check, parse
+from ...control.messages import BadMessage, Drive, Message, check, decode
 from ..web.access import Pairing
 from ..web.limits import BURST, MESSAGES_PER_S, Bucket
 
@@ -82,26 +81,24 @@ class Viewers:
 
 def _message(topic: str, data: bytes) -> Message:
     """Return the published data as a message of the loop or a pairing; BadMessage if they are neither."""
-    if topic == COMMAND:
-        paired = _pairing(data)
-        return parse(data) if paired is None else paired
+    if topic not in (COMMAND, SPEED):
+        raise BadMessage(f"allowed: {COMMAND} and {SPEED}")
+    value = decode(data)
+    if not isinstance(value, dict):
+        raise BadMessage("not a JSON object")
     if topic == SPEED:
-        return _speed(data)
-    raise BadMessage(f"allowed: {COMMAND} and {SPEED}")
+        return _speed(value)
+    return _pairing(value) if value.get("type") == "pair" else check(value)
 
 
-def _pairing(data: bytes) -> Message | None:
-    value = _json(data)
-    if value.get("type") != "pair":
-        return None
+def _pairing(value: dict[str, Any]) -> Message:
     if set(value) != {"type", "code"} or not isinstance(value["code"], str):
         raise BadMessage('pair: allowed: {"type": "pair", "code": "six digits"}')
     return value
 
 
-def _speed(data: bytes) -> Message:
+def _speed(value: dict[str, Any]) -> Message:
     """Return a twist (ROS geometry_msgs/Twist as JSON) as a stick command with a level body."""
-    value = _json(data)
     try:
         linear, angular = value["linear"], value["angular"]
         speeds = linear["x"], linear["y"], angular["z"]
@@ -109,15 +106,3 @@ def _speed(data: bytes) -> Message:
         raise BadMessage("allowed: linear.x, linear.y in m/s and angular.z in rad/s") from None
     names = ("vx_m_s", "vy_m_s", "wz_rad_s")
     return check({**Drive().message(), **dict(zip(names, speeds, strict=True))})
-
-
-def _json(data: bytes) -> dict[str, Any]:
-    if len(data) > LONGEST:
-        raise BadMessage(f"{len(data)} bytes, allowed at most {LONGEST}")
-    try:
-        value = json.loads(data)
-    except (ValueError, RecursionError):
-        raise BadMessage("not JSON") from None
-    if not isinstance(value, dict):
-        raise BadMessage("not a JSON object")
-    return value

@@ -5,8 +5,7 @@ import time
 import pytest
 
 from host.boards.runtimes import Board, CPython, Node, Unix, Wasi
-from host.boards.runtimes.base import RuntimeFailure
-from host.boards.runtimes.process import run_command
+from host.boards.runtimes.base import RuntimeFailure, run_command
 from host.lab.parity.check import call
 from tests.marks import NEEDS_UNIX, skip_without
 

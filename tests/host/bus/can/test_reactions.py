@@ -214,7 +214,7 @@ def test_the_cycle_in_a_thread_of_its_own_stands_the_robot_up():
 def test_torque_that_nobody_waits_for_any_more_is_taken_away():
     with opened(threaded=True) as rig:
         assert not rig.bus.try_torque()
-        wait([rig.bus._arming])
+        wait([rig.bus._tried[rig.bus._arm]])
         assert not rig.sim.torque_free
         rig.bus.run_for(0.3)
         rig.bus.read()

@@ -111,7 +111,7 @@ def test_work_that_a_stop_overtakes_arms_nothing():
         rig.run_until(lambda: rig.supervisor.measured.complete)
         with rig.sim.lock:
             assert not rig.bus.try_torque()
-            arming = rig.bus._arming
+            arming = rig.bus._tried[rig.bus._arm]
             rig.bus.emergency_stop()
         rig.bus.run_for(0.5)
         with pytest.raises(UserError, match=OVERTAKEN):
