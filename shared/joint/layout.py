@@ -184,22 +184,26 @@ class JointSettings:
     home_current: int = field("cu", "largest current of the search")
     home_ticks: int = field("ticks", "standing for this time is the stop")
     home_limit_ticks: int = field("ticks", "the search gives up after this time")
-    # added later
+    # exponents of the heat
     heat_shift: int = field("", "of heat, 0 .. 24")
     leak_shift: int = field("", "of the leaks, 13 .. 30")
+    # commissioning
     offset_spread: int = field("count", "largest distance of a current offset from the middle")
     commission_current: int = field("cu", "on d while the field turns the rotor")
     commission_bus_least: int = field("vu", "lowest bus voltage for commissioning")
     commission_bus_most: int = field("vu", "highest bus voltage for commissioning")
     verify: int = field("brad", "largest change of the electrical offset that verifying accepts")
+    # units and timing
     wire_bus_q12: int = field("", "1/16 V per vu")
     age: int = field("brad / rate", "angle the rotor goes from its reading until the samples, Q16")
+    # loops and the rotor encoder's eccentricity
     current_w: int = field("rad / step", "bandwidth of the current loop that commissioning sets, Q12")
     bend_cos1: int = field("rc", "correction of the rotor encoder's eccentricity: once a turn, Q4")
     bend_sin1: int = field("rc", "likewise")
     bend_cos2: int = field("rc", "twice a turn, Q4")
     bend_sin2: int = field("rc", "likewise")
     velocity_w: int = field("rad / tick", "bandwidth of the velocity loop that commissioning sets, Q16")
+    # cogging
     cogging_order_0: int = field("", "first wave of the cogging: how often a turn, 0 none")
     cogging_current_0: int = field("cu", "its amplitude, Q4")
     cogging_phase_0: int = field("brad", "its phase at the rotor's reading 0")
@@ -253,11 +257,15 @@ class JointState:
     # cascade
     target: int = field("rc/256", "what the trajectory follows: glides to goal_position")
     target_age: int = field("ticks", "since the last set-point")
+    goal_position: int = field("rc/256", "where the joint should be by the last set-point and its velocity")
+    target_rate: int = field("rate", "rate of target, on its way to the set-point's velocity")
+    target_ticks_left: int = field("ticks", "until target has reached goal_position")
     profile: int = field("rc/256", "position of the limited trajectory")
     profile_rate: int = field("rate", "speed of the limited trajectory")
     rate_reference: int = field("rate", "set-point of the velocity loop")
     current_reference: int = field("cu", "set-point of the current step, joint-signed")
     velocity_integral: int = field("cu", "integral term of the velocity loop, Q12")
+    acceleration_feed: int = field("cu", "the acceleration's smoothed share of the current, Q4")
     mode: int = field("", "MODE_* in use")
     limits: int = field("", "LIMIT_* acting in this tick")
     current_limit: int = field("cu", "after derating")
@@ -303,11 +311,6 @@ class JointState:
     home_rate: int = field("rate", "speed the search asks for")
     raised: int = field("", "FAULT_* raised by homing or commissioning, taken by the next tick")
     raised_value: int = field("", "in the unit of that fault")
-    # more of the cascade
-    acceleration_feed: int = field("cu", "the acceleration's smoothed share of the current, Q4")
-    goal_position: int = field("rc/256", "where the joint should be by the last set-point and its velocity")
-    target_rate: int = field("rate", "rate of target, on its way to the set-point's velocity")
-    target_ticks_left: int = field("ticks", "until target has reached goal_position")
 
 
 TORQUE_OFF = const(0)  # bridge off, the joint coasts

@@ -1,6 +1,5 @@
 """Records: objects here, arrays with places for viper and C, native classes for mypyc; wrong names are found."""
 
-import re
 from pathlib import Path
 
 import pytest
@@ -230,7 +229,9 @@ def test_axes_are_single_integers(tmp_path):
 def test_viper_gets_pointers(tmp_path):
     made = lower(modules(tmp_path, HOT.replace("    return f(holder, mine, feet, leg)\n", "    return 0\n")))
     text = rewrite(made["shared.one"], made, "viper", "armv7emsp").decode()
-    assert re.search(r"@micropython.viper\ndef f\(holder, robot, feet, leg: int\) -> int:\n.*_robot = ptr32", text)
+    assert "@micropython.viper\ndef f(holder, robot: ptr32, feet: ptr32, leg: int) -> int:\n" in text
+    assert "\n    out = ptr32(holder.feet)\n" in text
+    assert "\n    robot[limb] += robot[leg + 11] * robot[17]\n" in text
 
 
 def test_integers_go_in_and_out_in_the_order_of_the_declaration():
