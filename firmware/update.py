@@ -76,7 +76,7 @@ class Update:
         if header is None:
             raise UpdateError("this is not the header of an image", UPDATE_WHY_NOT_A_HEADER)
         if armed:
-            raise UpdateError("the joint is armed: it is not updated while it may move", UPDATE_WHY_ARMED)
+            raise UpdateError("the joint is armed: disarm it, then flash again", UPDATE_WHY_ARMED)
         if header.board != self._board:
             text = f"an image for {header.board}; this board is a {self._board}"
             raise UpdateError(text, UPDATE_WHY_OTHER_BOARD)

@@ -142,7 +142,7 @@ def test_a_computer_that_went_before_it_confirmed_tries_again(board):
     ("state", "words"),
     [
         ({"supply": 24000}, r"the motor supply is on, 24\.0 V: switch it off"),
-        ({"armed": True}, "the joint is armed"),
+        ({"armed": True}, "the joint is armed: disarm it, then flash again"),
     ],
 )
 def test_a_board_that_may_move_something_is_not_updated(tmp_path, state, words):
