@@ -8,6 +8,7 @@ import hashlib
 import importlib
 import os
 import re
+import subprocess
 import sys
 import sysconfig
 from pathlib import Path
@@ -84,6 +85,13 @@ def use_core() -> bool:
         places[:] = sources
         sys.path.remove(str(core))
         write_error(f"the compiled core can't be loaded ({error}); the sources run instead. To rebuild it: "
-                    "caramelo core remove, then caramelo core build")
+                    "caramelo core build")
         return False
     return True
+
+
+def usable_core() -> Path | None:
+    """Return the folder of the compiled core that a new process uses: None also if it is there and can't be loaded."""
+    use = f"from {__name__} import use_core; raise SystemExit(not use_core())"
+    core = find_core()
+    return core if core and subprocess.run((sys.executable, "-c", use), capture_output=True).returncode == 0 else None

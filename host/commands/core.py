@@ -26,13 +26,14 @@ def build(as_json: Json = False) -> int:
     Example: caramelo core build
     """
     from ..boards.build.native_core import build_core
-    from ..boards.core import find_core, home, kept_cores, sources_id
+    from ..boards.core import home, kept_cores, sources_id, usable_core
 
     _allow()
-    found = find_core()
+    found = usable_core()
     if found is None:
         write_note("compiling shared/: takes a minute on a PC and several on a Raspberry Pi")
         found = home() / sources_id()
+        _drop([core for core in kept_cores() if core == found])  # one that can't be loaded
         with writing(home()):
             build_core(found)
     _drop([core for core in kept_cores() if core != found])
@@ -79,9 +80,9 @@ def _allow() -> None:
 
 
 def _tell(as_json: bool) -> int:
-    from ..boards.core import find_core, kept_cores, turned_off
+    from ..boards.core import find_core, kept_cores, turned_off, usable_core
 
-    found = find_core()
+    found = usable_core()
     if as_json:
         write_json({"compiled": found is not None, "folder": str(found) if found else None})
     elif turned_off():
@@ -89,6 +90,9 @@ def _tell(as_json: bool) -> int:
                        soft_wrap=True)
     elif found:
         screen().print(f"the core runs as machine code, from {found}", soft_wrap=True)
+    elif find_core():
+        screen().print("the core runs from its sources: the compiled one can't be loaded; build it again: "
+                       "caramelo core build", soft_wrap=True)
     elif kept_cores():
         screen().print("the core runs from its sources: the compiled one was made from others; build it again: "
                        "caramelo core build", soft_wrap=True)

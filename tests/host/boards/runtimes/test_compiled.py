@@ -83,16 +83,32 @@ def test_it_is_not_used_after_a_source_changed(compiled_home, monkeypatch):
     assert core.find_core() is None
 
 
-def test_one_that_cannot_be_loaded_is_told_and_left_out(tmp_path):
+@pytest.fixture
+def spoilt_home(tmp_path):
+    """Return a folder for cores with one of these sources that can't be loaded."""
     shared = tmp_path / core.sources_id() / "shared"
     for name, text in (("__init__", ""), ("num/__init__", ""), ("planner/__init__", ""), ("planner/planner", ""),
                        ("num/fixed", "raise ImportError('on purpose')\n")):
         (shared / name).parent.mkdir(parents=True, exist_ok=True)
         (shared / f"{name}.py").write_text(text)
-    done = run_caramelo(["robots", "check", "caramelo"], str(tmp_path))
+    return tmp_path
+
+
+def test_one_that_cannot_be_loaded_is_told_and_left_out(spoilt_home):
+    done = run_caramelo(["robots", "check", "caramelo"], str(spoilt_home))
     assert "the compiled core can't be loaded (on purpose); the sources run instead" in done.stderr
     assert done.stdout.endswith(str(Path("shared", "body", "leg.py")))
-    assert str(tmp_path) not in done.stdout
+    assert str(spoilt_home) not in done.stdout
+
+
+def test_one_that_cannot_be_loaded_is_shown_as_such_and_built_again(spoilt_home, compiled_home, monkeypatch, run):
+    monkeypatch.setenv(core.SWITCH, str(spoilt_home))
+    assert "the compiled one can't be loaded; build it again: caramelo core build" in run("core", "show")[1]
+    assert json.loads(run("core", "show", "--json")[1]) == {"compiled": False, "folder": None}
+    whole = compiled_home / core.sources_id()
+    monkeypatch.setattr(native_core, "build_core", lambda target: shutil.copytree(whole, target))
+    code, out, _ = run("core", "build")
+    assert (code, out) == (0, f"the core runs as machine code, from {spoilt_home / whole.name}\n")
 
 
 def test_another_source_is_another_core(sources, tmp_path):
