@@ -5,6 +5,7 @@ Python prefers. The wire's codec stays as it is: its frames are arrays of severa
 """
 
 import importlib.util
+import os
 import shutil
 import subprocess
 import sys
@@ -53,6 +54,7 @@ def build_core(target: Path, root: Path = ROOT, package: str = PACKAGE) -> None:
         suffix = sysconfig.get_config_var("EXT_SUFFIX")
         for made in [*work.glob(f"*{suffix}"), *(work / package.partition(".")[0]).rglob(f"*{suffix}")]:
             shutil.copy(made, new / made.relative_to(work))
+        os.sync()  # a power cut must not leave cut-off machine code: a process that loads it dies
         new.rename(target)
 
 

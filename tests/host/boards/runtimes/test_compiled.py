@@ -180,6 +180,17 @@ def test_a_compiler_that_fails_leaves_nothing_behind(tmp_path, monkeypatch):
     assert list((tmp_path / "home").iterdir()) == []
 
 
+def test_it_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
+    """A process that loads machine code which a power cut has cut off dies of a bus error."""
+    target, there = tmp_path / "core", []
+    monkeypatch.setattr(native_core, "_write_typed", lambda *_: [])
+    monkeypatch.setattr(native_core, "_run_mypyc", lambda *_: None)
+    monkeypatch.setattr(os, "sync", lambda: there.append(target.exists()))
+    native_core.build_core(target)
+    assert there == [False]
+    assert target.is_dir()
+
+
 def typed_text(root: Path, text: str) -> str:
     """Return what becomes of a module that holds ``text``."""
     (root / "shared").mkdir(parents=True)
