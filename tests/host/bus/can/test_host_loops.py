@@ -77,9 +77,11 @@ def test_a_walk_that_the_joints_stop_ends_there(run, monkeypatch):
     assert out.splitlines()[1].split()[3] == "0.5"
 
 
-@pytest.mark.parametrize(("more", "most"), [({}, 0.40), ({"channel": "can0,can1", "rate_hz": 400}, 0.45)])
-def test_each_bus_is_loaded_as_busload_says(more, most):
-    """Bits within 1 % of those really sent on it, frames within 1.5 %; no more than with the worst payloads."""
+@pytest.mark.parametrize(
+    ("more", "most", "off"), [({}, 0.40, 0.01), ({"channel": "can0,can1", "rate_hz": 400}, 0.45, 0.015)]
+)
+def test_each_bus_is_loaded_as_busload_says(more, most, off):
+    """Bits within 1 % of those really sent on it, frames within ``off``; no more than with the worst payloads."""
     with Walker(**more) as walker:
         walker.arm()
         walker.stand_up()
@@ -92,7 +94,7 @@ def test_each_bus_is_loaded_as_busload_says(more, most):
             took_us = bus.now_us - start_us
             assert (bus.bits - bits) / took_us == pytest.approx(total.typical_share, rel=0.01)
             assert (bus.bits - bits) / took_us < total.worst_share <= most
-            assert (bus.sent - sent) / took_us == pytest.approx(1e-6 * total.frames_per_s, rel=0.015)
+            assert (bus.sent - sent) / took_us == pytest.approx(1e-6 * total.frames_per_s, rel=off)
 
 
 def test_frames_go_to_the_bus_of_their_joints():
