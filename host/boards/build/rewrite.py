@@ -5,7 +5,7 @@ the board names the line of the source.
 """
 
 import ast
-from collections.abc import Container, Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from .rules import POINTERS, REGISTERS, aliases, check_hot, hot_function
@@ -139,11 +139,10 @@ def _without_pointers(function: ast.FunctionDef, place: Places) -> list[Edit]:
 
     A frame of more than eleven words is taken from MicroPython's heap, which costs more than the call itself.
     """
-    parameters = _parameters_behind(function)
-    gone = [(place.start(made), place.end(made)) for made in _made(function, parameters)]
-    kept = [edit for edit in strip_pointers(function, place)
-            if not any(start <= edit.offset < end for start, end in gone)]
-    return kept + _without_aliases(function, parameters, place)
+    renamed = _without_aliases(function, _parameters_behind(function), place)
+    stripped = [edit for edit in strip_pointers(function, place)
+                if not any(gone.offset <= edit.offset < gone.offset + gone.length for gone in renamed)]
+    return stripped + renamed
 
 
 def _typed_parameters(function: ast.FunctionDef, place: Places) -> list[Edit]:
@@ -160,8 +159,8 @@ def _typed_parameters(function: ast.FunctionDef, place: Places) -> list[Edit]:
 
 def _parameters_behind(function: ast.FunctionDef) -> dict[str, str]:
     """Return the parameter behind each alias, where neither is ever set anew."""
-    given = {argument.arg for argument in function.args.args} - stored_names(function)
     stored = [node.id for node in ast.walk(function) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)]
+    given = {argument.arg for argument in function.args.args}.difference(stored)
     found = {}
     for name, value in assignments(function.body):
         behind = value.args[0] if isinstance(value, ast.Call) and called(value) in POINTERS else None
@@ -170,19 +169,14 @@ def _parameters_behind(function: ast.FunctionDef) -> dict[str, str]:
     return found
 
 
-def _made(function: ast.FunctionDef, names: Container[str]) -> Iterator[ast.Assign]:
-    """Yield the statements at a function's own level that set one of the names."""
-    for statement in function.body:
-        target = statement.targets[0] if isinstance(statement, ast.Assign) else None
-        if isinstance(statement, ast.Assign) and isinstance(target, ast.Name) and target.id in names:
-            yield statement
-
-
 def _without_aliases(function: ast.FunctionDef, parameters: Mapping[str, str], place: Places) -> list[Edit]:
     """Use the parameter in the place of each alias, and make no alias."""
-    edits = [place.edit(statement, "pass") for statement in _made(function, parameters)]
+    edits = []
     for node in ast.walk(function):
-        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id in parameters:
+        target = node.targets[0] if isinstance(node, ast.Assign) else None
+        if isinstance(target, ast.Name) and target.id in parameters:
+            edits.append(place.edit(node, "pass"))
+        elif isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id in parameters:
             edits.append(place.edit(node, parameters[node.id]))
     return edits
 
