@@ -23,7 +23,8 @@ def commission(
     node: Annotated[str, typer.Argument(metavar="NODE|all", help=f"{NODES}; or all, one by one.")],
     verify: Annotated[bool, typer.Option("--verify", help="Compare direction and offset; change nothing.")] = False,
     out: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write a copy of the robot file with the results.")
+        Path | None,
+        typer.Option(metavar="FILE", help="Write a copy of the robot file with the results of the joints that passed."),
     ] = None,
     robot: RobotName = "parallel", interface: Interface = None, channel: Channel = None, sim: Sim = False,
     as_json: Json = False,
@@ -54,9 +55,11 @@ def commission(
                 failed[one] = str(error)
                 if not as_json:
                     write_error(str(error))
-    if out and made and not failed:
+    if not as_json:
+        _show(made)
+    if out and made:
         _write(robot, out, made)
-    _tell(made, failed, verify, out, as_json, len(nodes))
+    _tell(made, len(nodes) - len(failed), failed, "verified" if verify else "commissioned", out, as_json)
     return NOT_ACHIEVED if failed else 0
 
 
@@ -115,33 +118,34 @@ def _measured(robot: str, made: "list[Found]") -> dict[str, list[float]]:
     return {name: each for name, each in found.items() if each}
 
 
-def _tell(
-    made: "list[Found]", failed: dict[int, str], verify: bool, out: Path | None, as_json: bool, asked: int
-) -> None:
-    written = str(out) if out and made and not failed else None
+def _show(made: "list[Found]") -> None:
+    """Print two tables of what the joints found, before a file could be refused."""
+    if not made:
+        return
+    head = ("node", "pole pairs", "direction", "R ohm", "Ld mH", "Lq mH", "N m/A", "magnet deg", "lag deg")
+    print_table(head, [
+        (
+            f.node, f.pole_pairs, f.direction, f"{f.resistance_ohm:.4g}", f"{f.inductance_d_H * 1e3:.4g}",
+            f"{f.inductance_q_H * 1e3:.4g}", f"{f.torque_constant_Nm_A:.4g}", f"{f.eccentricity_deg:.2f}",
+            f"{f.friction_lag_deg:.1f}",
+        )
+        for f in made
+    ])  # fmt: skip
+    swung = ("node", "inertia kg m2", "friction N m", "growing N m s", "play deg", "cogging N m", "velocity Hz")
+    print_table(swung, [
+        (
+            f.node, f"{f.inertia_kg_m2:.3g}", f"{f.coulomb_Nm:.3g}", f"{f.viscous_Nms_rad:.2g}",
+            "no joint encoder" if f.backlash_deg is None else f"{f.backlash_deg:.3f}",
+            f"{f.cogging_Nm:.2g}", f"{f.velocity_bandwidth_hz:.3g}",
+        )
+        for f in made
+    ])  # fmt: skip
+
+
+def _tell(made: "list[Found]", passed: int, failed: dict[int, str], done: str, out: Path | None, as_json: bool) -> None:
+    written = str(out) if out and made else None
     if as_json:
         write_json({"joints": [asdict(one) for one in made], "failed": failed, "file": written})
         return
-    if made:
-        head = ("node", "pole pairs", "direction", "R ohm", "Ld mH", "Lq mH", "N m/A", "magnet deg", "lag deg")
-        swung = ("node", "inertia kg m2", "friction N m", "growing N m s", "play deg", "cogging N m", "velocity Hz")
-        rows = [
-            (
-                f.node, f.pole_pairs, f.direction, f"{f.resistance_ohm:.4g}", f"{f.inductance_d_H * 1e3:.4g}",
-                f"{f.inductance_q_H * 1e3:.4g}", f"{f.torque_constant_Nm_A:.4g}", f"{f.eccentricity_deg:.2f}",
-                f"{f.friction_lag_deg:.1f}",
-            )
-            for f in made
-        ]  # fmt: skip
-        print_table(head, rows)
-        print_table(swung, [
-            (
-                f.node, f"{f.inertia_kg_m2:.3g}", f"{f.coulomb_Nm:.3g}", f"{f.viscous_Nms_rad:.2g}",
-                "no joint encoder" if f.backlash_deg is None else f"{f.backlash_deg:.3f}",
-                f"{f.cogging_Nm:.2g}", f"{f.velocity_bandwidth_hz:.3g}",
-            )
-            for f in made
-        ])  # fmt: skip
-    done = "verified" if verify else "commissioned"
-    file = f"; {written} written" if written else f"; {out} is written once all of them are" if out else ""
-    screen().print(f"{asked - len(failed)} of {asked} joints {done}{file}", soft_wrap=True)
+    file = f"; {out} written from them" if written else f"; {out} not written" if out else ""
+    screen().print(f"{passed} of {passed + len(failed)} joints {done}{file}", soft_wrap=True)

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import pytest
 
+from host.bus.can.commission import Found
 from host.cli import main
 from host.robot.file import load_robot
 from host.sim.motor.bench import Bench
@@ -196,16 +197,32 @@ def test_a_folder_that_takes_no_file_is_told_before_anything_moves(capsys, tmp_p
     assert f"you may not write to {tmp_path}" in capsys.readouterr().err
 
 
-def test_no_robot_file_comes_of_joints_of_which_one_failed(capsys, tmp_path, monkeypatch):
-    def fails(*_):
-        raise UserError("joint 5: it does not turn")
+def fails_at(node, monkeypatch):
+    """Let the joint at ``node`` fail, and every other find the same; nothing is simulated."""
 
-    monkeypatch.setattr("host.commands.joints.commission._one", fails)
+    def one(_bus, number, *_):
+        if number == node:
+            raise UserError(f"joint {number}: it does not turn")
+        return [Found(number, 7, 1, 0.1, 4e-4, 6e-4, 0.05, 0.0, 1.0, 2e-5, 0.01, 1e-5, None, 0.0, 30.0, 1, 1, 1)]
+
+    monkeypatch.setattr("host.commands.joints.commission._one", one)
+
+
+def test_the_joints_that_passed_are_written_when_one_of_twelve_fails(capsys, tmp_path, monkeypatch):
+    fails_at(5, monkeypatch)
     out = tmp_path / "measured.toml"
-    assert main(["joints", "commission", "5", "--sim", "--out", str(out)]) == 1
+    assert main(["joints", "commission", "all", "--sim", "--out", str(out)]) == 1
     told = capsys.readouterr()
     assert "joint 5: it does not turn" in told.err
-    assert told.out == f"0 of 1 joints commissioned; {out} is written once all of them are\n"
+    assert told.out.endswith(f"\n11 of 12 joints commissioned; {out} written from them\n")
+    assert load_robot(str(out)).actuator.motor.resistance_ohm == 0.1
+
+
+def test_no_robot_file_comes_of_a_joint_that_failed(capsys, tmp_path, monkeypatch):
+    fails_at(5, monkeypatch)
+    out = tmp_path / "measured.toml"
+    assert main(["joints", "commission", "5", "--sim", "--out", str(out)]) == 1
+    assert capsys.readouterr().out == f"0 of 1 joints commissioned; {out} not written\n"
     assert not out.exists()
 
 
