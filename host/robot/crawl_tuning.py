@@ -155,8 +155,7 @@ def _calm(params: Params, robot: Robot) -> None:
 
 
 def _feel(params: Params, robot: Robot) -> None:
-    """Fit the least loads of a contact to how much the joints rub, which looks like load: from half to one and a half.
-    """
+    """Fit the least loads of a contact to the joints' friction, which looks like load: half to one and a half."""
     coulomb_Nm = sum(joint.coulomb_Nm for joint in joint_drives(robot)[THIGH : CALF + 1]) / 2
     weight_Nm = robot.mass_kg * GRAVITY_M_S2 * robot.geometry.leg_m / 2
     share = max(0.5, min(1.5, coulomb_Nm / weight_Nm / _FRICTION_SHARE))
