@@ -53,9 +53,11 @@ _KEYS = {
 # Damping of the body's sway from which the pose loop has the table's gains: with them Parallel (10.4) stands still, and
 # A1 (7.3) swayed until it fell
 _CALM_1_S = 10.0
-# Friction of a thigh or calf joint, as a share of the weight on a foot half a leg away, from which a contact has the
-# table's least loads: Caramelo's. A1's is 0.008, and the same loads tip it over before it notices them
-_FRICTION_SHARE = 0.0215
+# Friction of a thigh or calf joint, as a share of the weight on a foot half a leg away, at which a contact has the
+# table's least loads: Caramelo's. A1's is 0.008: the table's loads would tip it over before it notices them
+_FRICTION_SHARE = 0.0219
+# Of the weight, by a foot on an unexpected step: Caramelo, SpotMicro and A1 stay up with it, Parallel fell with 1.2
+_MOST_PUSH = 0.7
 _MOST_LAG_S = 0.062  # the core keeps the goals of 31 ticks, at up to 500 Hz
 
 
@@ -83,6 +85,7 @@ def fill_crawl(params: Params, robot: Robot) -> None:
     _shape(params)
     _calm(params, robot)
     _feel(params, robot)
+    _soften(params, robot)
     for key, value in given.items():
         place = _NUMBERS[_KEYS[key]]
         thousandths = round(1000 * value / _one(place.unit, leg_m))
@@ -152,12 +155,25 @@ def _calm(params: Params, robot: Robot) -> None:
 
 
 def _feel(params: Params, robot: Robot) -> None:
-    """Lower the least loads of a contact where the joints rub less: down to half."""
+    """Fit the least loads of a contact to the joints' friction, which looks like load: half to one and a half."""
     coulomb_Nm = sum(joint.coulomb_Nm for joint in joint_drives(robot)[THIGH : CALF + 1]) / 2
     weight_Nm = robot.mass_kg * GRAVITY_M_S2 * robot.geometry.leg_m / 2
-    share = max(0.5, min(1.0, coulomb_Nm / weight_Nm / _FRICTION_SHARE))
+    share = max(0.5, min(1.5, coulomb_Nm / weight_Nm / _FRICTION_SHARE))
     for name in ("touch_q12", "peak_q12"):
         setattr(params.crawl, name, round(getattr(params.crawl, name) * share))
+
+
+def _soften(params: Params, robot: Robot) -> None:
+    """Lower the feet no faster to even ground than that a step there would be pushed at by 0.7 of the weight.
+
+    The foot is told to go on for the lag of its goals, and slowly until the contact is sure; k is the stiffness there
+    of a leg whose thigh lies level.
+    """
+    crawl, unit_m = params.crawl, 2.0**-params.length_shift
+    push_N_m = joint_drives(robot)[THIGH].stiffness_Nm_rad / (robot.geometry.leg_m / 2) ** 2
+    deep_lf = _MOST_PUSH * robot.mass_kg * GRAVITY_M_S2 / push_N_m / unit_m * (1 << LF_BITS)
+    most = int(deep_lf - crawl.loaded_lower_speed * crawl.contact_ticks) // crawl.goal_lag_ticks
+    crawl.quick_lower_speed = max(crawl.unknown_lower_speed, min(crawl.quick_lower_speed, most))
 
 
 def _bend(leg: Leg) -> tuple[int, int]:

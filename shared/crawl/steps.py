@@ -257,9 +257,13 @@ def lower_tick(crawl: Crawl, leg: int) -> None:
 
 @hot
 def lift_again(crawl: Crawl, x_lf: int, apex_lf: int) -> None:
-    """Lift the foot once more, to ``apex``, and come down at ``x``."""
+    """Lift the foot once more from where it is, to ``apex``, and come down at ``x``.
+
+    From where it was told to be, deep in what it met, it would go on pushing the body up, and tip it over.
+    """
     enter(crawl, LIFT)
     crawl.swing.tries += 1
+    crawl.swing.place.z = crawl.map.measured[crawl.stage.leg].z
     crawl.swing.target.x = x_lf
     crawl.swing.apex = apex_lf
 

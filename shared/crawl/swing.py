@@ -1,8 +1,8 @@
 """The path of one foot through the air: up, across, hang a moment, down until something is felt.
 
 The positions are map places in lf, so the path does not depend on what the body does meanwhile.
-Profiles: up, braked below the apex, a quintic across, down at a steady speed; faster where the ground is known,
-and slow again shortly above it. On even ground across and down are quicker.
+Profiles: up, braked below the apex, a quintic across, down at a steady speed; faster where the ground is known or even,
+and steady again shortly above it. A foot that feels load goes on slowly. On even ground the way across is quicker, too.
 """
 
 from ..body.params import LF_BITS, Params
@@ -91,20 +91,24 @@ def lower_acceleration(crawl: Crawl) -> int:
 def lower_speed(crawl: Crawl) -> int:
     """Return the speed, lf / tick, at which the foot may come down here.
 
-    Over unknown ground: steady. Over known: so that it can slow down in time near its foothold, v^2 = near^2 + 2 a h.
-    Intermediates: those of brake_speed and hypot.
+    With load on it: slow. Over unknown ground: steady. Far above known or even ground faster, so that it can slow down
+    to that in time: v^2 = steady^2 + 2 a h. Intermediates: those of brake_speed and hypot.
     """
     params = crawl.params
     swing = crawl.swing
-    if swing.known == 0:
-        return params.crawl.unknown_lower_speed
+    if crawl.contact.load_ticks:
+        return params.crawl.loaded_lower_speed
+    fastest = params.crawl.unknown_lower_speed
+    if long_strides(crawl.ground):
+        fastest = params.crawl.quick_lower_speed
+    elif swing.known:
+        fastest = params.crawl.known_lower_speed
     above = (swing.place.z - swing.ground >> LF_BITS) - params.crawl.near_foothold
-    if above < 0:
-        speed = params.crawl.near_speed
-    else:
-        speed = hypot(brake_speed(2 * lower_acceleration(crawl), above), params.crawl.near_speed)
-    if speed > params.crawl.known_lower_speed:
-        speed = params.crawl.known_lower_speed
+    speed = params.crawl.unknown_lower_speed
+    if above > 0:
+        speed = hypot(brake_speed(2 * lower_acceleration(crawl), above), speed)
+    if speed > fastest:
+        speed = fastest
     return speed
 
 

@@ -338,11 +338,13 @@ class Machine:
     def go_down(self, felt):
         """Lower the foot, or with a straight leg the body as long as that follows."""
         s, k = self.swing, self.k
-        most = k.unknown_lower_speed
-        if s.known:
-            above = s.place[2] - s.ground - k.near_foothold
-            most = crawl_swing.fall_speed(above, k.near_speed, k.known_lower_speed, self.quick("lower_acceleration"))
-        s.speed = min(s.speed + self.quick("lower_acceleration"), most)
+        brake, most = self.quick("lower_acceleration"), k.known_lower_speed if s.known else k.unknown_lower_speed
+        if s.load_ticks:
+            most = k.loaded_lower_speed
+        elif self.long_strides:
+            most = k.quick_lower_speed
+        above = s.place[2] - s.ground - k.near_foothold
+        s.speed = min(s.speed + brake, crawl_swing.fall_speed(above, k.unknown_lower_speed, most, brake))
         lag = felt.body[2] - self.body.wanted[2]
         if felt.length > k.swing_reach and self.doubt.above(k.position_limit, lag, PLACE_ROUNDING):
             self.body.wanted[2] -= k.body_speed
@@ -370,15 +372,16 @@ class Machine:
 
     # --- what is met
 
-    def again(self, x, apex):
-        """Try once more, at ``x``."""
+    def again(self, felt, x, apex):
+        """Try once more from where the foot is, at ``x``."""
         self.swing.tries += 1
+        self.swing.place[2] = felt.measured[self.leg][2]
         self.swing.target[0], self.swing.apex = x, apex
         self.enter(LIFT)
 
     def again_with_hip(self, felt, x, apex):
         """Try once more at ``x`` and bring the hip over it, so that the leg comes down steeply."""
-        self.again(x, apex)
+        self.again(felt, x, apex)
         self.body.plan(self.feet, self.leg, self.hip_over(x), felt.heavy, self.leg, self.quick("acceleration"))
 
     def free_calf(self, felt, z):
@@ -404,7 +407,7 @@ class Machine:
             s.ground = z
         elif not self.doubt.above(self.feet[s.leg][2] - k.edge_height, s.ground, PLACE_ROUNDING):
             x = s.place[0] - k.edge_retreat
-        self.again(x, z + k.clear_contact)
+        self.again(felt, x, z + k.clear_contact)
 
     def drop(self, felt):
         """Look for ground elsewhere: a front foot farther out, a hind foot nearer, or farther on if it climbs."""
@@ -418,7 +421,8 @@ class Machine:
             self.again_with_hip(felt, s.place[0] + k.drop_advance, s.ground + k.clear_ground)
         else:
             climbs = self.doubt.above(s.target[2] - self.feet[s.leg][2], k.edge_height, PLACE_ROUNDING)
-            self.again(s.place[0] + (k.edge_advance if climbs else -k.edge_advance), s.ground + k.clear_contact)
+            x = s.place[0] + (k.edge_advance if climbs else -k.edge_advance)
+            self.again(felt, x, s.ground + k.clear_contact)
 
     def other_is_down(self, s):
         """Return whether the other front foot stands below, and well behind: then the edge is far enough behind."""

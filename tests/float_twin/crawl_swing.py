@@ -15,7 +15,7 @@ def front_target(own_x, other_x, stride):
 
 
 def fall_speed(above, slow, fastest, brake):
-    """Return the speed at which a hind foot may come down ``above`` its foothold: v^2 = slow^2 + 2 a h."""
+    """Return the speed at which a foot may come down ``above`` its foothold: v^2 = slow^2 + 2 a h."""
     return min(fastest, math.sqrt(slow * slow + 2 * brake * max(0.0, above)))
 
 

@@ -440,7 +440,7 @@ class Pair:
 
 def c_way(crawl):
     """Return a commanded way, lf a tick, of 50 mm/s of a leg of 240 mm."""
-    return crawl.params.crawl.near_speed * 5 // 6
+    return crawl.params.crawl.unknown_lower_speed // 2
 
 
 def feels(other):
@@ -473,7 +473,7 @@ BOUNDS = {
     "target": 0.01 * MM,
     "expected": 0.03 * MM,
     "apex": 0.02 * MM,
-    "speed": 0.01 * MM,
+    "speed": 0.02 * MM,  # up to an apex that is measured, from a place that is
     "event": 0.03 * MM,
     "plan x y": 0.2 * MM,
     "plan z": 2.5 * MM,

@@ -113,7 +113,7 @@ def test_any_point_of_a_crawl_goes_on_the_same_way(robot):
     points()
 
 
-QUICK = {"long_stride": 30, "quick_swing_speed": 15000, "quick_lower_acceleration": 300}
+QUICK = {"long_stride": 30, "quick_swing_speed": 15000, "quick_lower_acceleration": 1000, "quick_lower_speed": 4000}
 
 
 @pytest.mark.parametrize("setting", QUICK)
@@ -139,6 +139,7 @@ PLANTED = {
     "edge_advance": 60,
     "hind_lift": 60,
     "unknown_lower_speed": 1000,
+    "loaded_lower_speed": 4000,
 }
 
 
