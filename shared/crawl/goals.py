@@ -2,7 +2,7 @@
 
 Stance feet stay at their map places under the commanded pose; the swing foot follows its path under the
 wanted pose, corrected by what the measured one was off it lately. Where a leg changes from one to the
-other, and at the start, the goal's jump is taken into an offset that fades.
+other, and at the start, the goal's jump is taken into an offset that fades, unless the crawl rests.
 """
 
 from ..body.axes import POSE_AXES
@@ -17,7 +17,7 @@ from ..num.filters import fraction
 from ..num.fixed import cos_q15, saturate, sin_q15
 from ..runtime import Ints, const, hot
 from .pose import com_ahead
-from .state import Crawl, Support
+from .state import REST, Crawl, Support
 
 _LOWERED_LEGS = const(6)  # bits of FL and RR: they go down where FR and RL go up
 
@@ -161,7 +161,9 @@ def legs_goals(crawl: Crawl, joints: Ints) -> int:
         jump = crawl.jumps[joint]
         joints[joint] = saturate(crawl.joints[joint] + (jump + 128 >> LF_BITS), -32768, 32767)
         gain = crawl.params.crawl.jump_q15
-        if crawl.support.stance[joint // 3]:
+        if crawl.stage.stage == REST:
+            gain = 0
+        elif crawl.support.stance[joint // 3]:
             gain = crawl.params.crawl.land_jump_q15
         crawl.jumps[joint] = jump - fraction(jump, gain)
     for leg in range(LEGS):
