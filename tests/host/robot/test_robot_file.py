@@ -215,14 +215,14 @@ BAD_VALUES = [
     ('name = "caramelo" ', 'name = "My Robot" ', 'name: value "My Robot":', "lower-case"),
     ('default = "trot"', 'default = "gallop"', 'gait.default: value "gallop":', "one of paper-trot, trot, crawl"),
     ('default = "trot"', 'default = "Trot!"', 'gait.default: value "Trot!":', "a gait's name"),
-    ("crawl = 0.018", "crawls = 0.008", 'gait.advised_m_s: value "crawls":', "one of paper-trot, trot, crawl"),
-    ("crawl = 0.018", "crawl = -0.008", "gait.advised_m_s.crawl: value -0.008:", "0.001 .. 3 m/s"),
-    ("crawl = 0.018", "paper-trot = 0.008", 'gait.advised_m_s: value "paper-trot":', "gait.not_advised does not name"),
+    ("crawl = 0.019", "crawls = 0.008", 'gait.advised_m_s: value "crawls":', "one of paper-trot, trot, crawl"),
+    ("crawl = 0.019", "crawl = -0.008", "gait.advised_m_s.crawl: value -0.008:", "0.001 .. 3 m/s"),
+    ("crawl = 0.019", "paper-trot = 0.008", 'gait.advised_m_s: value "paper-trot":', "gait.not_advised does not name"),
     ("\npaper-trot = ", '\ngallop = "fast" #', 'gait.not_advised: value "gallop":', "one of paper-trot, trot, crawl"),
     ("\npaper-trot = ", '\npaper-trot = "two\\nlines" #', 'gait.not_advised.paper-trot: value "two', "one line"),
     ("\npaper-trot = ", '\npaper-trot = "\\u001b[31m" #', "gait.not_advised.paper-trot: value", "one line"),
     ('default = "trot"', 'default = "adaptive"', "gait.default:", "gait 'adaptive' is now called 'trot'"),
-    ("crawl = 0.018", "climb = 0.008", "gait.advised_m_s:", "gait 'climb' is now called 'crawl'"),
+    ("crawl = 0.019", "climb = 0.008", "gait.advised_m_s:", "gait 'climb' is now called 'crawl'"),
     ("\n[imu]", "\n[climb]\nmargin_m = 0.03\n[imu]", "table climb:", "gait 'climb' is now called 'crawl'"),
     ("\n[imu]", "\n[crawl]\nmargn_m = 0.03\n[imu]", "crawl.margn_m: value 0.03:", "did you mean margin_m?"),
     ("\n[imu]", "\n[crawl]\nmargin_m = 0.3\n[imu]", "crawl.margin_m: value 0.3:", "0.007 .. 0.056"),
@@ -230,7 +230,7 @@ BAD_VALUES = [
     ("\n[imu]", "\n[crawl]\ngoal_lag_s = 0.07\n[imu]", "crawl.goal_lag_s: value 0.07:", "0.015 .. 0.062"),
     ("\n[imu]", "\n[trot]\nlift = 0.1\n[imu]", "trot.lift: value 0.1:", "the keys are low_lift, high_lift,"),
     ("\n[imu]", "\n[trot]\nlow_lift = 0.3\n[imu]", "trot.low_lift: value 0.3:", "0.03 .. 0.25, usually 0.08"),
-    ("crawl = 0.018", '"Crawl!" = 0.008', 'gait.advised_m_s.Crawl!: value "Crawl!":', "a gait's name"),
+    ("crawl = 0.019", '"Crawl!" = 0.008', 'gait.advised_m_s.Crawl!: value "Crawl!":', "a gait's name"),
 ]
 
 BAD_JOINTS = [

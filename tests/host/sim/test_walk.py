@@ -93,11 +93,11 @@ def test_less_than_half_of_the_command_is_not_achieved_unless_the_ground_was_in_
 def test_the_crawl_is_judged_by_its_own_speed(speed, ok):
     told = judged(WalkSpec(CARAMELO, "crawl", 0.05), result(speed=speed))
     assert told["ok"] is ok
-    assert told["asked_speed_m_s"] == 0.018
+    assert told["asked_speed_m_s"] == 0.019
     assert told["limited"] == told["advice"] == ""
     assert ("% of the crawl's own speed" in told["reason"]) is not ok
     row = own_speed_facts(told | {"commanded_speed_m_s": 0.05, "gait": "crawl"})
-    assert dict(row)["command"] == "0.05 m/s; the crawl's own speed is 0.018 m/s"
+    assert dict(row)["command"] == "0.05 m/s; the crawl's own speed is 0.019 m/s"
 
 
 def test_of_a_crawl_that_the_file_does_not_name_only_arriving_is_asked():
