@@ -42,8 +42,8 @@ def test_every_function_of_a_tick_has_a_row_in_the_table_of_memory(largest, boun
 def test_2000_ticks_in_a_row_run_while_the_heap_is_locked(sources, tmp_path, gait):
     runtime = Wasi()
     tree = runtime.prepare(sources, tmp_path)
-    answer = runtime.ask(tree, f"from probe import measure\nmeasure.locked('planner', 'tick:{gait}', 2200)\n")
-    assert answer["ticks"] == 2200
+    answer = runtime.ask(tree, f"from probe import measure\nmeasure.locked('planner', 'tick:{gait}', 2400)\n")
+    assert answer["ticks"] == 2400
     assert answer["walked"] > 1000  # the others stand up, stand, or come from another gait
 
 
