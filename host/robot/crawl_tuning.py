@@ -166,8 +166,8 @@ def _feel(params: Params, robot: Robot) -> None:
 def _soften(params: Params, robot: Robot) -> None:
     """Lower the feet no faster to even ground than that a step there would be pushed at by 0.7 of the weight.
 
-    The foot is told to go on for the lag of its goals, and slowly until the contact is sure; k is the stiffness there
-    of a leg whose thigh lies level.
+    The foot is told to go on for the lag of its goals, and slowly until the contact is sure; ``push_N_m`` is the
+    stiffness there of a leg whose thigh lies level.
     """
     crawl, unit_m = params.crawl, 2.0**-params.length_shift
     push_N_m = joint_drives(robot)[THIGH].stiffness_Nm_rad / (robot.geometry.leg_m / 2) ** 2
