@@ -76,12 +76,13 @@ def start_residual(params: Params, trot: Trot) -> None:
     sent = (trot.state.ring_at - params.delay_ticks & 15) * LEGS
     for leg in range(LEGS):
         trot.expected_x_q4[leg] = trot.past_x[sent + leg] << 4
+        trot.residual_x[leg] = trot.measured.legs[leg].x - trot.past_x[sent + leg]
         trot.expected_z_q4[leg] = trot.past_z[sent + leg] << 4
 
 
 @hot
 def update_residual(params: Params, trot: Trot) -> None:
-    """Write how far each foot is, along x and z, from where an unhindered foot would be.
+    """Write how far each foot is, along x and z, from where an unhindered foot would be, and how fast x changes.
 
     That is where the goals that the joints now answer sent it, behind by the drives' lag for which the goals do not
     compensate. Error of a step: 1/16 lu. Intermediates: 2^17 * 2^12.
@@ -101,5 +102,7 @@ def update_residual(params: Params, trot: Trot) -> None:
         up += rise * share_q12 + 2048 >> 12
         trot.expected_x_q4[leg] = ahead
         trot.expected_z_q4[leg] = up
-        trot.residual_x[leg] = foot.x - (ahead >> 4)
+        residual = foot.x - (ahead >> 4)
+        trot.residual_rate[leg] = residual - trot.residual_x[leg]
+        trot.residual_x[leg] = residual
         trot.residual_z[leg] = foot.z - (up >> 4)

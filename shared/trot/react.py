@@ -9,6 +9,8 @@ from .state import CYCLE_Q20, Trot
 _MIDDLE = const(16384)  # middle of a swing, Q15: from here on a foot comes down
 _RISEN = const(3277)  # 0.1 of a swing
 _FREE = const(13107)  # 0.4 of a swing: from here on both feet of a diagonal are certainly off the ground
+_ARRIVED = const(26214)  # 0.8 of a swing: until then a foot goes ahead (AHEAD_SHARE in host/robot/trot_tuning.py)
+_FALLS_MAX = const(4095)  # lu / tick
 _QUARTER_Q12 = const(1024)  # of own weight
 # Parts of the leg, Q10, from walks of Caramelo and Parallel on level ground and over steps
 _HIGH_Q10 = const(31)  # 0.03: too high by this, a foot that came down and falls no more has met ground
@@ -16,6 +18,7 @@ _LANDED_Q10 = const(51)  # 0.05: the same while it lands; 0.01 on level ground
 _FALLEN_Q10 = const(32)  # 0.03: less far below its highest place, a foot has not come down yet
 _BEHIND_EARLY_Q10 = const(61)  # 0.06: a foot so far behind its mate is held up, while one may still be on the ground
 _BEHIND_Q10 = const(26)  # 0.025: the same later in the swing. On level ground feet were 0.05 behind early, 0.02 later
+_STRIKE_Q10 = const(41)  # 0.04: less is no strike, however stiff the leg is; Pupper took scuffs for strikes at 0.03
 _USUAL_Q10 = const(41)  # 0.04: farther behind is never usual, but held up: 0.01 on level ground, 0.06 in high swings
 _SMALL_Q10 = const(36)  # 0.035: less counts as nothing, and the foot goes to where the ground was expected
 # Quarters of the met height by which a foot gives way; with two in the air, or one at a landing, Caramelo climbed
@@ -70,35 +73,29 @@ def detect_held_up(params: Params, trot: Trot, leg: int) -> None:
     """Mark a foot as held up, and swing high from now on, if it is further behind its path than its diagonal mate.
 
     Both feet of a diagonal lag alike behind drives and bus, whether that lag is known or not. The difference that a
-    load or an unknown delay leaves recurs in every swing, and counts as usual. Drives that reach their limits, as while
-    the body speeds up, leave a difference that grows with the lag. The longer the bus delay, the further behind a foot
-    may be that still goes ahead, because its lag is known later. A foot in the highest swing may just be late: swings
-    do not stay high for it. Intermediates: 2^16 * 2^12.
+    load or an unknown delay leaves recurs in every swing, and counts as usual. A foot in a high swing lags more, and in
+    the highest it may just be late: swings do not stay high for that one.
     """
     state = trot.state
     setup = params.trot
-    high = 0
-    if trot.apex[leg] >= setup.high_lift:
-        high = 1
     mate_lag = -trot.residual_x[3 - leg]
     behind = -mate_lag - trot.residual_x[leg]
     if state.foot_speed.x < 0:
         mate_lag = -mate_lag
         behind = -behind
+    if behind > trot.peak_lag[leg]:
+        trot.peak_lag[leg] = behind
     turn = state.turn_18
     if turn < 0:
         turn = -turn
+    usual = trot.usual_lag[leg] + (turn * setup.turn_side >> 10)
+    behind -= usual
+    high = 1
     most = params.leg_length * _BEHIND_EARLY_Q10 >> 10
-    if state.swing_q15 > _FREE and high == 0:
-        most = params.leg_length * _BEHIND_Q10 >> 10
-    if mate_lag > 0 and high == 0:
-        most += mate_lag >> 2
-    if most > setup.push_lag:
-        most = setup.push_lag
-    if behind > trot.peak_lag[leg]:
-        trot.peak_lag[leg] = behind
-    most += trot.usual_lag[leg] + (turn * setup.turn_side >> 10)
-    if behind <= most or (high == 0 and behind <= most + (most * setup.late_lag_q8 >> 8) and may_be_late(trot, leg)):
+    if trot.apex[leg] < setup.high_lift:
+        high = 0
+        most = most_behind(params, trot, leg, mate_lag, usual)
+    if behind <= most and (high or strikes(params, trot, leg, behind) == 0):
         return
     trot.held_up[leg] = 1
     if trot.apex[leg] < setup.highest_lift:
@@ -106,6 +103,56 @@ def detect_held_up(params: Params, trot: Trot, leg: int) -> None:
     if high == 0:
         state.held_up_count += 1
         trot.apex[leg] = setup.high_lift
+
+
+@hot
+def most_behind(params: Params, trot: Trot, leg: int, mate_lag: int, usual: int) -> int:
+    """Return how far more than ``usual`` behind its mate a foot may be in a low swing, lu.
+
+    Drives that reach their limits, as while the body speeds up, leave a difference that grows with the lag of the mate.
+    The longer the bus delay, the further behind a foot may be that still goes ahead, because its lag is known later.
+    Intermediates: 2^16 * 2^12.
+    """
+    most = params.leg_length * _BEHIND_EARLY_Q10 >> 10
+    if trot.state.swing_q15 > _FREE:
+        most = params.leg_length * _BEHIND_Q10 >> 10
+    if mate_lag > 0:
+        most += mate_lag >> 2
+    if most > params.trot.push_lag:
+        most = params.trot.push_lag
+    if may_be_late(trot, leg):
+        most += (most + usual) * params.trot.late_lag_q8 >> 8
+    return most
+
+
+@hot
+def strikes(params: Params, trot: Trot, leg: int, behind: int) -> int:
+    """Return 1 if a swing foot pushes hard against something that has just stopped it, else 0.
+
+    A drive pushes by how far its joint is from the goal, less its lag times its speed. So a foot that is stopped pushes
+    at once with all the lag that a free foot has, long before it is that far behind: ``behind`` its mate, more than
+    usual, plus the lag times how fast it falls behind both its path and its mate. Knees in front of the hips need
+    faster joints than elbows, and may just be late. Intermediates: 2^12 * 2^14.
+    """
+    state = trot.state
+    if state.swing_q15 < _FREE or state.swing_q15 > _ARRIVED:
+        return 0
+    mate = 3 - leg
+    falls = -trot.residual_rate[leg]
+    mate_falls = -trot.residual_rate[mate]
+    if state.foot_speed.x < 0:
+        falls = -falls
+        mate_falls = -mate_falls
+    if mate_falls > 0:
+        falls -= mate_falls
+    most = params.leg_length * _STRIKE_Q10 >> 10
+    if most < params.trot.push_lag:
+        most = params.trot.push_lag
+    if behind + (saturate(falls, 0, _FALLS_MAX) * params.trot.lag_q8 >> 8) <= most:
+        return 0
+    if params.legs[leg].knee > params.legs[mate].knee and may_be_late(trot, leg):
+        return 0
+    return 1
 
 
 @hot

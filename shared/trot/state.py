@@ -73,6 +73,7 @@ class Trot:
         self.expected_z_q4 = zeros(LEGS)
         self.residual_x = zeros(LEGS)  # lu: measured less unhindered
         self.residual_z = zeros(LEGS)
+        self.residual_rate = zeros(LEGS)  # lu / tick: how fast residual_x changes
         self.swing_top = zeros(LEGS)  # lu: where the foot was highest since the middle of its swing, in the body
         self.stance = zeros(LEGS)  # 1: the foot stands, by plan or because it met something
         self.early_contact = zeros(LEGS)  # react.EARLY...: it met ground too high in this swing, or on landing from it

@@ -67,7 +67,7 @@ class FloatTrot:
                         for k in (1.0, 1.0, ratio)]
         self.friction, self.of_sag = friction_bands(robot)
         self.delay = 1 + math.floor(robot.bus.delay_s * rate_hz + 1e-9)
-        self.late = tuning.LATE_PER_S * robot.bus.delay_s
+        self.late, self.push_lag = tuning.LATE_PER_S * robot.bus.delay_s, tuning.HELD_PUSH * figures.gives_m
         self.feet = [list(self.at_hip(leg, robot.foot_m(leg, self.h))) for leg in range(4)]
         self.lift_offs = [list(foot) for foot in self.feet]
         self.phase = tuning.STANCE_SHARE / 2 - 0.25
@@ -82,7 +82,7 @@ class FloatTrot:
         self.held_up, self.shortened, self.peak_lag, self.usual_lag = [False] * 4, [0.0] * 4, [0.0] * 4, [0.0] * 4
         self.rises_first = [False] * 4
         self.known, self.measured, self.before, self.expected = 0, None, None, None
-        self.residual = [[0.0, 0.0] for _ in range(4)]
+        self.residual, self.residual_rate = [[0.0, 0.0] for _ in range(4)], [0.0] * 4
         self.past = deque(maxlen=16)  # (feet, stands) of the ticks before
         self.joints, self.slope, self.uneven = None, [0.0, 0.0], 0.0
         self.last_pose, self.moving = [0.0] * 6, False
@@ -129,6 +129,8 @@ class FloatTrot:
             self.update_residual(feet)
         elif self.known == self.delay:
             self.expected = [[foot[0], foot[2]] for foot in self.past[-self.delay][0]]
+            for leg in range(4):
+                self.residual[leg][0] = feet[leg][0] - self.expected[leg][0]
         self.known = min(100, self.known + 1)
 
     def estimate_speed(self, feet, rates):
@@ -151,7 +153,9 @@ class FloatTrot:
         for leg in range(4):
             for i, axis in enumerate((0, 2)):
                 self.expected[leg][i] += share * (wanted[leg][axis] - self.expected[leg][i])
-                self.residual[leg][i] = feet[leg][axis] - self.expected[leg][i]
+                before, self.residual[leg][i] = self.residual[leg][i], feet[leg][axis] - self.expected[leg][i]
+                if axis == 0:
+                    self.residual_rate[leg] = self.residual[leg][0] - before
 
     def update_slope(self):
         """Follow the slope of the measured feet that stand: a step of normalized least mean squares."""
@@ -294,17 +298,30 @@ class FloatTrot:
         back = 1 if self.foot_speed[0] < 0 else -1
         mate_lag = back * self.residual[3 - leg][0]
         behind = back * self.residual[leg][0] - mate_lag
-        turning = 2 * abs(self.f.rests_m[0][1]) * tuning.TURN_LATE_S * abs(self.turn)
-        most = (61 if self.u <= 0.4 or high else 26) / 1024 * self.leg_m + (0.0 if high else max(0.0, mate_lag) / 4)
-        most = min(most, tuning.HELD_PUSH * self.f.gives_m)
         self.peak_lag[leg] = max(self.peak_lag[leg], behind)
-        most += self.usual_lag[leg] + turning
-        if behind > most and (high or behind > (1 + self.late) * most or not self.may_be_late(leg)):
+        usual = self.usual_lag[leg] + 2 * abs(self.f.rests_m[0][1]) * tuning.TURN_LATE_S * abs(self.turn)
+        behind -= usual
+        most = 61 / 1024 * self.leg_m if high else self.most_behind(leg, mate_lag, usual)
+        if behind > most or (not high and self.strikes(leg, behind)):
             self.held_up[leg] = True
             if self.apex[leg] < self.highest:
                 self.high_left = tuning.HIGH_LENGTHS * self.f.length_m
             if not high:
                 self.apex[leg] = self.high
+
+    def most_behind(self, leg, mate_lag, usual):
+        most = (26 if self.u > 0.4 else 61) / 1024 * self.leg_m + max(0.0, mate_lag) / 4
+        most = min(most, self.push_lag)
+        return most + (self.late * (most + usual) if self.may_be_late(leg) else 0.0)
+
+    def strikes(self, leg, behind):
+        if not 0.4 <= self.u <= 0.8:
+            return False
+        back = 1 if self.foot_speed[0] < 0 else -1
+        falls, mate_falls = (back * self.residual_rate[at] for at in (leg, 3 - leg))
+        pushes = behind + self.f.lag_s / self.dt * max(0.0, falls - max(0.0, mate_falls))
+        knees = self.robot.knee_sign(leg) > self.robot.knee_sign(3 - leg)
+        return pushes > max(41 / 1024 * self.leg_m, self.push_lag) and not (knees and self.may_be_late(leg))
 
     def may_be_late(self, leg):
         gone, mate_gone = (self.measured[at][0] - self.before[at][0] for at in (leg, 3 - leg))

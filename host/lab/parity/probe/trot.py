@@ -19,6 +19,7 @@ POSE = Block(Pose(), (3, Range(-8191, 8191)), (3, BRAD))
 TURNED = Block(Turn(), (3, INT30))
 TILT = Block(zeros(2), (2, BRAD))
 GOAL = zeros(12)
+LAG = Range(-(1 << 16), 1 << 16)  # of a foot, lu
 SENSED = Sensed()
 FEET = MeasuredFeet()
 SENSING = Sensing()
@@ -26,10 +27,11 @@ ODOMETRY = Odometry()
 TROT = state.Trot(FEET, ODOMETRY)
 SWINGS = (TROT.stance, TROT.early_contact, TROT.apex, TROT.load_q12, TROT.swing_top, TROT.residual_x, TROT.residual_z)
 HELD_UP = (TROT.held_up, TROT.rises_first, TROT.stuck_score, TROT.held_up_in_row)
-LAGS = (TROT.peak_lag, TROT.usual_lag, TROT.shortened)
+LAGS = (TROT.peak_lag, TROT.usual_lag, TROT.shortened, TROT.residual_rate)
 STATE = (TROT.state, TROT.feet, TROT.lift_offs) + SWINGS + HELD_UP + LAGS
 PAST = (TROT.before, TROT.joints_before, TROT.last_pose, TROT.past_x, TROT.past_z)
 EXPECTED = (TROT.expected_x_q4, TROT.expected_z_q4)
+RESIDUALS = (TROT.residual_x, TROT.residual_z, TROT.residual_rate)
 ALL = STATE + (TROT.heights, TROT.measured, TROT.joints) + EXPECTED + PAST
 
 
@@ -130,8 +132,8 @@ PROBES = (
     _probe(state, "trot_reset", (ROBOT, TROT)),
     _probe(estimate, "estimate", (ROBOT, TROT, TURNED, FLAG), watch=ALL),
     _probe(estimate, "estimate_speed", (ROBOT, TROT, TURNED)),
-    _probe(estimate, "start_residual", (ROBOT, TROT), watch=EXPECTED),
-    _probe(estimate, "update_residual", (ROBOT, TROT), watch=EXPECTED + (TROT.residual_x, TROT.residual_z)),
+    _probe(estimate, "start_residual", (ROBOT, TROT), watch=EXPECTED + (TROT.residual_x,)),
+    _probe(estimate, "update_residual", (ROBOT, TROT), watch=EXPECTED + RESIDUALS),
     _probe(steer, "steer", (ROBOT, TROT, SPEED, TURNED, POSE)),
     _probe(steer, "detect_push", (ROBOT, TROT), watch=(TROT.state,), fit=_lunging),
     Probe(steer, "overspeed", (Range(-(1 << 19), 1 << 19), SPEED18)),
@@ -150,6 +152,8 @@ PROBES = (
     _probe(react, "react", (ROBOT, TROT, LEG), fit=_moving),
     _probe(react, "stands_high", (ROBOT, TROT, LEG, Range(0, 1023)), fit=_moving),
     _probe(react, "detect_held_up", (ROBOT, TROT, LEG), fit=_moving),
+    _probe(react, "most_behind", (ROBOT, TROT, LEG, LAG, LAG), watch=(), fit=_moving),
+    _probe(react, "strikes", (ROBOT, TROT, LEG, LAG), watch=(), fit=_moving),
     _probe(react, "may_be_late", (TROT, LEG), fit=_leg_moving),
     _probe(react, "count_held_up", (ROBOT, TROT, LEG), fit=_moving),
     _probe(react, "count_in_row", (TROT, LEG), fit=_leg_moving),
