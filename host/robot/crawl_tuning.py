@@ -58,6 +58,9 @@ _CALM_1_S = 10.0
 _FRICTION_SHARE = 0.0219
 # Of the weight, by a foot on an unexpected step: Caramelo, SpotMicro and A1 stay up with it, Parallel fell with 1.2
 _MOST_PUSH = 0.7
+# Of the leg, by which a body leans aside over a foot that met ground: of drawn robots two fell in the crawl on level
+# ground with 0.05, whose feet are close together under stiff legs
+_MOST_LEAN = 0.04
 _MOST_LAG_S = 0.062  # the core keeps the goals of 31 ticks, at up to 500 Hz
 
 
@@ -86,6 +89,7 @@ def fill_crawl(params: Params, robot: Robot) -> None:
     _calm(params, robot)
     _feel(params, robot)
     _soften(params, robot)
+    _steady(params, robot)
     for key, value in given.items():
         place = _NUMBERS[_KEYS[key]]
         thousandths = round(1000 * value / _one(place.unit, leg_m))
@@ -174,6 +178,23 @@ def _soften(params: Params, robot: Robot) -> None:
     deep_lf = _MOST_PUSH * robot.mass_kg * GRAVITY_M_S2 / push_N_m / unit_m * (1 << LF_BITS)
     most = int(deep_lf - crawl.loaded_lower_speed * crawl.contact_ticks) // crawl.goal_lag_ticks
     crawl.quick_lower_speed = max(crawl.unknown_lower_speed, min(crawl.quick_lower_speed, most))
+
+
+def _steady(params: Params, robot: Robot) -> None:
+    """Lower the feet no faster than that a body leans by 0.04 of the leg over a foot that meets ground unexpectedly.
+
+    The foot is told to go on as in ``_soften``, and lifts its corner of the body by that, less what the leg gives under
+    half of the weight; the body's middle goes aside by height over width as much. ``push_N_m`` is the stiffness of a
+    leg whose foot is below its hip: the calf's alone, whose lever is the distance of the knee from the line between.
+    """
+    crawl, unit_m = params.crawl, 2.0**-params.length_shift
+    height_m, width_m, leg_m = crawl.height * unit_m, 2 * crawl.half_width * unit_m, robot.geometry.leg_m
+    push_N_m = joint_drives(robot)[CALF].stiffness_Nm_rad / ((leg_m / 2) ** 2 - (height_m / 2) ** 2)
+    most_m = robot.mass_kg * GRAVITY_M_S2 / 2 / push_N_m + _MOST_LEAN * leg_m * width_m / height_m
+    deep_lf = crawl.unknown_lower_speed * crawl.goal_lag_ticks + crawl.loaded_lower_speed * crawl.contact_ticks
+    share = min(1.0, most_m / (deep_lf * unit_m / (1 << LF_BITS)))
+    for name in ("loaded_lower_speed", "unknown_lower_speed", "known_lower_speed", "quick_lower_speed"):
+        setattr(crawl, name, max(1, round(share * getattr(crawl, name))))
 
 
 def _bend(leg: Leg) -> tuple[int, int]:
