@@ -12,7 +12,8 @@ from ._options import ClusterAt, Honest, Jobs, Json, RobotName
 if TYPE_CHECKING:
     from ..lab.experiments.case import Table as Rows
 
-WHAT_HELP = "table1, table2, ramp, steps, payload, requirements, or all of them; or goals, the figures to reach."
+WHAT_HELP = ("table1, table2, ramp, steps, payload, requirements, or all of them; goals, the figures to reach; "
+             "or drawn, robots drawn at random.")
 
 SETS = ("chosen", "held-out")
 SET_HELP = "Seeds and start offsets: chosen, used to find the constants, or held-out, used only to check them."
@@ -57,6 +58,8 @@ def experiment(
         raise UserError(f"--set {which}: allowed {' or '.join(SETS)}")
     if only and what != "goals":
         raise UserError(f"--only {only}: only with experiment goals; {what} has no groups")
+    if what == "drawn" and robot != "caramelo":
+        raise UserError(f"--robot {robot}: not with experiment drawn, which draws its robots")
     in_space = three_d and space_is_there()
     if three_d and not in_space:
         write_error(f"MuJoCo is not installed, so the 3-D columns stay empty: {how_to_get('mujoco')}")

@@ -10,13 +10,13 @@ from ...util.errors import UserError
 from ...util.files import atomic_path, write_text
 from ...util.progress import Tell
 from ..workers.work import Workers
-from . import counts, goals, requirements, samples
+from . import counts, drawn, goals, requirements, samples
 from .case import Answers, Case, Experiment, Found, Outcome, Row
 from .report import report_html
 from .trials import PLANE, Options
 
 PAPERS = {**samples.EXPERIMENTS, **counts.EXPERIMENTS, "requirements": requirements.EXPERIMENT}
-EXPERIMENTS: dict[str, Experiment] = {**PAPERS, "goals": goals.EXPERIMENT}
+EXPERIMENTS: dict[str, Experiment] = {**PAPERS, "goals": goals.EXPERIMENT, "drawn": drawn.EXPERIMENT}
 
 
 def names_of(what: str) -> tuple[str, ...]:
