@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from host.lab.experiments import counts, goals, requirements, run, samples
+from host.lab.experiments import counts, drawn, goals, requirements, run, samples
 from host.lab.experiments.case import Case, Found, Row
 from host.lab.experiments.data import assumptions, papers
 from host.lab.experiments.foot_in_air import AirTrial
@@ -19,6 +19,7 @@ from host.lab.experiments.run import EXPERIMENTS
 from host.lab.experiments.trials import PLANE, SPACE, STRIDE_M, Answer, Options, Trial, trial_conditions, with_knees
 from host.lab.experiments.verdicts import everywhere, share, within
 from host.lab.workers.work import Here, workers
+from host.robot.ability import ability, cannot
 from host.robot.file import load_robot
 from host.robot.trot_tuning import GAIT
 from host.sim.walk import WalkSpec
@@ -317,6 +318,29 @@ def test_goals_print_one_object_with_a_row_for_each_case(run_json):
         assert row["figure"].startswith("2/2, speed")
 
 
+def test_drawn_robots_are_always_the_same_and_pass_the_check():
+    """By their seeds: other ones are held out. Each is one whose walks the check lets through."""
+    def names(**more):
+        return [robot.name for robot in drawn.robots(Options(ROBOT, GAIT, 3, **more))]
+
+    assert names() == names() == ["drawn-0", "drawn-1", "drawn-2"]
+    assert set(names(held_out=True)).isdisjoint(f"drawn-{seed}" for seed in range(1000))
+    for robot in drawn.robots(Options(ROBOT.simulated(False), GAIT, 3)):
+        assert not list(cannot(robot, ability(robot)))
+        assert not robot.simulation.honest
+
+
+def test_walks_of_drawn_robots_are_counted_and_failures_named(run_json):
+    pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
+    code, result, _ = run_json("experiment", "drawn", "--trials", "2")
+    assert (code, result["robot"], len(result["rows"])) == (0, "drawn", 8)
+    for row in result["rows"]:
+        assert (row["in"], row["met"], row["walks"]) == (["3-D"], None, 2)
+        assert row["figure"] == f"{2 - len(row['failures'])}/2"
+        assert set(row["failures"]) <= {"drawn-0", "drawn-1"}
+    assert result["rows"][0]["figure"] == "2/2"
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
@@ -326,6 +350,8 @@ def test_goals_print_one_object_with_a_row_for_each_case(run_json):
         ("experiment ramp --only flat", "only with experiment goals; ramp has no groups"),
         ("experiment goals --only flat,moon", "there are flat, conditions"),
         ("experiment goals --set best", "allowed chosen or held-out"),
+        ("experiment drawn --robot parallel", "not with experiment drawn"),
+        ("experiment drawn --no-3d", "all in three dimensions"),
         ("export mjcf --terrain moon", "--terrain moon: allowed flat"),
         ("export urdf --voltage 40", "allowed 11.1 .. 14.8 V"),
         ("export urdf --json", "--out FILE"),
