@@ -18,6 +18,7 @@ _LANDED_Q10 = const(51)  # 0.05: the same while it lands; 0.01 on level ground
 _FALLEN_Q10 = const(32)  # 0.03: less far below its highest place, a foot has not come down yet
 _BEHIND_EARLY_Q10 = const(61)  # 0.06: a foot so far behind its mate is held up, while one may still be on the ground
 _BEHIND_Q10 = const(26)  # 0.025: the same later in the swing. On level ground feet were 0.05 behind early, 0.02 later
+_STIFF_Q10 = const(51)  # 0.05: legs that give more are soft. Caramelo's give 0.061, and scuff the ground at 0.3 m/s
 _STRIKE_Q10 = const(41)  # 0.04: less is no strike, however stiff the leg is; Pupper took scuffs for strikes at 0.03
 _USUAL_Q10 = const(41)  # 0.04: farther behind is never usual, but held up: 0.01 on level ground, 0.06 in high swings
 _SMALL_Q10 = const(36)  # 0.035: less counts as nothing, and the foot goes to where the ground was expected
@@ -131,11 +132,13 @@ def strikes(params: Params, trot: Trot, leg: int, behind: int) -> int:
 
     A drive pushes by how far its joint is from the goal, less its lag times its speed. So a foot that is stopped pushes
     at once with all the lag that a free foot has, long before it is that far behind: ``behind`` its mate, more than
-    usual, plus the lag times how fast it falls behind both its path and its mate. Knees in front of the hips need
-    faster joints than elbows, and may just be late. Intermediates: 2^12 * 2^14.
+    usual, plus the lag times how fast it falls behind both its path and its mate. Soft legs are held up before they
+    push hard. Knees in front of the hips need faster joints than elbows, and may just be late. Intermediates: 2^12 *
+    2^14.
     """
     state = trot.state
-    if state.swing_q15 < _FREE or state.swing_q15 > _ARRIVED:
+    most = params.trot.push_lag
+    if most > params.leg_length * _STIFF_Q10 >> 10 or state.swing_q15 < _FREE or state.swing_q15 > _ARRIVED:
         return 0
     mate = 3 - leg
     falls = -trot.residual_rate[leg]
@@ -145,9 +148,9 @@ def strikes(params: Params, trot: Trot, leg: int, behind: int) -> int:
         mate_falls = -mate_falls
     if mate_falls > 0:
         falls -= mate_falls
-    most = params.leg_length * _STRIKE_Q10 >> 10
-    if most < params.trot.push_lag:
-        most = params.trot.push_lag
+    least = params.leg_length * _STRIKE_Q10 >> 10
+    if most < least:
+        most = least
     if behind + (saturate(falls, 0, _FALLS_MAX) * params.trot.lag_q8 >> 8) <= most:
         return 0
     if params.legs[leg].knee > params.legs[mate].knee and may_be_late(trot, leg):
