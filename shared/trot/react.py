@@ -133,8 +133,8 @@ def strikes(params: Params, trot: Trot, leg: int, behind: int) -> int:
     A drive pushes by how far its joint is from the goal, less its lag times its speed. So a foot that is stopped pushes
     at once with all the lag that a free foot has, long before it is that far behind: ``behind`` its mate, more than
     usual, plus the lag times how fast it falls behind both its path and its mate. Soft legs are held up before they
-    push hard. Knees in front of the hips need faster joints than elbows, and may just be late. Intermediates: 2^12 *
-    2^14.
+    push hard. Knees in front of the hips need faster joints than elbows, and may just be late.
+    Intermediates: 2^12 * 2^14.
     """
     state = trot.state
     most = params.trot.push_lag
