@@ -8,6 +8,7 @@ import math
 import random
 from collections.abc import Iterator
 from functools import partial
+from itertools import count, islice
 
 from sim2d.model import GRAVITY_M_S2
 
@@ -15,13 +16,12 @@ from ...robot.ability import ability, cannot
 from ...robot.file import checked
 from ...robot.model import KNEE_CONFIGURATIONS, Robot
 from ...robot.new_robot import OTHER, Answers, new_file
-from ...robot.trot_tuning import GAIT
 from ...sim.grounds import GroundSpec, make_terrain
 from ...sim.walk import WalkSpec
 from ...util.errors import UserError
 from ...util.files import parse_toml
 from .case import Case, Experiment, Found, Row
-from .trials import SPACE, Options, trials
+from .trials import SPACE, Options, Trial, trials
 from .verdicts import share, sum_up
 
 ROBOTS = 40
@@ -29,7 +29,7 @@ LEG_M = (0.12, 0.7)
 MASS_KG_M2 = (20.0, 80.0)  # per square of the leg: Solo 12 has 24, A1 75
 STALL, SPEED = (0.25, 1.2), (0.6, 4.0)  # Caramelo has 0.48 and 0.9
 STEP_SHARE = 0.8  # of the step that `robots check` states
-CLIMB_FROUDE = 0.1  # of sqrt(g h), as in the goals
+CLIMB_FROUDE = 0.1  # of sqrt(g h): the speed over edges (chosen)
 BAR_LENGTH_M, EDGE_M, LIMIT_S = 0.06, 0.5, 120.0
 CRAWL_M_S, CRAWL_M = 0.02, 0.3
 
@@ -60,22 +60,22 @@ def answers(seed: int) -> Answers:
 
 
 def robots(options: Options) -> Iterator[Robot]:
-    """Yield as many robots as asked for that `robots check` lets walk, always the same."""
+    """Return as many robots as asked for that `robots check` lets walk, always the same."""
     wanted = options.seeds(ROBOTS)
-    seed, found = 10 * wanted.start, 0
-    while found < len(wanted):
-        try:
-            robot = checked(parse_toml(new_file(answers(seed))), f"drawn robot {seed}").simulated(
-                options.robot.simulation.honest)
-        except UserError:
-            robot = None  # answers that do not go together
-        if robot is not None and not any(cannot(robot, ability(robot))):
-            found += 1
-            yield robot
-        seed += 1
+    drawn = (_walkable(seed, options.robot.simulation.honest) for seed in count(10 * wanted.start))
+    return islice((robot for robot in drawn if robot), len(wanted))
 
 
-def walks(robot: Robot) -> dict[str, WalkSpec]:
+def _walkable(seed: int, honest: bool) -> Robot | None:
+    """Return the robot of a seed; None if its answers do not go together, or it can't walk."""
+    try:
+        robot = checked(parse_toml(new_file(answers(seed))), f"drawn robot {seed}").simulated(honest)
+    except UserError:
+        return None
+    return None if any(cannot(robot, ability(robot))) else robot
+
+
+def walks(robot: Robot, gait: str) -> dict[str, WalkSpec]:
     """Return a robot's walks by their case: what its file lets it do, and what the check says that it can."""
     speeds, step_m = robot.speed_limits, STEP_SHARE * ability(robot).step_m
     ahead_m_s, turn_rad_s = speeds.vx_m_s, 0.8 * speeds.wz_rad_s
@@ -83,14 +83,14 @@ def walks(robot: Robot) -> dict[str, WalkSpec]:
     edges = {"a step up": GroundSpec("step-up", step_m, start_m=EDGE_M),
              "a step down": GroundSpec("step-down", step_m, start_m=EDGE_M),
              "a bar across the way": GroundSpec("box", step_m, start_m=EDGE_M, length_m=BAR_LENGTH_M)}
-    trot, crawl = (partial(WalkSpec, robot, gait, limit_s=LIMIT_S) for gait in (GAIT, "crawl"))
+    walk, crawl = (partial(WalkSpec, robot, name, limit_s=LIMIT_S) for name in (gait, "crawl"))
     return {
-        "level ground at top speed": trot(ahead_m_s, distance_m=min(20.0, 10 * ahead_m_s)),
-        "at a third of it": trot(max(0.005, ahead_m_s / 3), distance_m=max(0.06, 3 * ahead_m_s), friction=0.6),
-        "backwards": trot(max(0.005, 0.8 * ahead_m_s), distance_m=max(0.06, 8 * ahead_m_s), way="back"),
-        "turning": trot(turn_rad_s, distance_m=8 * turn_rad_s, way="turn"),
+        "level ground at top speed": walk(ahead_m_s, distance_m=min(20.0, 10 * ahead_m_s)),
+        "at a third of it": walk(max(0.005, ahead_m_s / 3), distance_m=max(0.06, 3 * ahead_m_s), friction=0.6),
+        "backwards": walk(0.8 * ahead_m_s, distance_m=8 * ahead_m_s, way="back"),
+        "turning": walk(turn_rad_s, distance_m=8 * turn_rad_s, way="turn"),
         "in the crawl": crawl(CRAWL_M_S, distance_m=CRAWL_M),
-        **{name: trot(max(0.005, climb_m_s), ground, distance_m=make_terrain(ground).finish_x_m or 1.0)
+        **{name: walk(climb_m_s, ground, distance_m=make_terrain(ground).finish_x_m or 1.0)
            for name, ground in edges.items()},
     }
 
@@ -99,7 +99,7 @@ def cases(options: Options) -> list[Case]:
     """Return one case for each walk, with a trial for each robot; all in space, or raise UserError."""
     if not options.in_space:
         raise UserError("experiment drawn: its walks are all in three dimensions")
-    specs = [walks(robot) for robot in robots(options)]
+    specs = [walks(robot, options.gait) for robot in robots(options)]
     return [Case(name, {SPACE: trials(SPACE, [each[name] for each in specs])}, judge=share(None)) for name in specs[0]]
 
 
@@ -108,8 +108,8 @@ def _sum_up(options: Options, rows: list[Row]) -> Found:
     found.result["robot"] = "drawn"
     for shown, row in zip(found.result["rows"], rows, strict=True):
         pairs = zip(row.case.trials[SPACE], row.answers[SPACE], strict=True)
-        shown["failures"] = {trial.spec.robot.name: answer.figures["reason"]  # type: ignore[attr-defined]
-                             for trial, answer in pairs if not answer.ok}
+        shown["failures"] = {trial.spec.robot.name: answer.figures["reason"]
+                             for trial, answer in pairs if isinstance(trial, Trial) and not answer.ok}
     return found
 
 

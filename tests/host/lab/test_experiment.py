@@ -319,7 +319,7 @@ def test_goals_print_one_object_with_a_row_for_each_case(run_json):
 
 
 def test_drawn_robots_are_always_the_same_and_pass_the_check():
-    """By their seeds: other ones are held out. Each is one whose walks the check lets through."""
+    """By their seeds: other ones are held out. Each is one that the check lets through, and walks in the gait asked."""
     def names(**more):
         return [robot.name for robot in drawn.robots(Options(ROBOT, GAIT, 3, **more))]
 
@@ -328,6 +328,9 @@ def test_drawn_robots_are_always_the_same_and_pass_the_check():
     for robot in drawn.robots(Options(ROBOT.simulated(False), GAIT, 3)):
         assert not list(cannot(robot, ability(robot)))
         assert not robot.simulation.honest
+        gaits = {name: walk.gait for name, walk in drawn.walks(robot, "paper-trot").items()}
+        assert gaits.pop("in the crawl") == "crawl"
+        assert set(gaits.values()) == {"paper-trot"}
 
 
 def test_walks_of_drawn_robots_are_counted_and_failures_named(run_json):
