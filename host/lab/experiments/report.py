@@ -24,9 +24,9 @@ iframe { width: 100%; height: 640px; border: 1px solid #ccd3dd } summary { curso
 """
 
 
-def report_html(robot: Robot, gait: str, outcomes: Sequence[Outcome], folder: Path) -> str:
-    """Return the page; the pictures are taken from ``folder``."""
-    title = f"Experiments: {robot.name}, gait {gait}"
+def report_html(robot: Robot, outcomes: Sequence[Outcome], folder: Path) -> str:
+    """Return the page; the pictures are taken from ``folder``, the animations' trunk is the robot's."""
+    title = "Experiments: {robot}, gait {gait}".format(**outcomes[0].found.result)
     parts = [_section(robot, outcome, folder) for outcome in outcomes]
     contents = "".join(f'<li><a href="#{each.name}">{html.escape(each.title)}</a></li>' for each in outcomes)
     intro = ("Plane: the project's own simulator of the sagittal plane. 3-D: the independent check in MuJoCo, with the "

@@ -58,5 +58,5 @@ def write_outcomes(options: Options, outcomes: Sequence[Outcome], folder: Path) 
                 picture.draw(draft)
             written.append(folder / picture.name)
     page = folder / "report.html"
-    write_text(page, report_html(options.robot, options.gait, outcomes, folder))
+    write_text(page, report_html(options.robot, outcomes, folder))
     return [*written, page]

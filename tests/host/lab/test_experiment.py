@@ -333,9 +333,10 @@ def test_drawn_robots_are_always_the_same_and_pass_the_check():
         assert set(gaits.values()) == {"paper-trot"}
 
 
-def test_walks_of_drawn_robots_are_counted_and_failures_named(run_json):
+def test_walks_of_drawn_robots_are_counted_and_failures_named(run_json, tmp_path):
     pytest.importorskip("mujoco", reason="MuJoCo is not installed (extra space)")
-    code, result, _ = run_json("experiment", "drawn", "--trials", "2")
+    code, result, _ = run_json("experiment", "drawn", "--trials", "2", "--out", str(tmp_path))
+    assert "<h1>Experiments: drawn, gait trot</h1>" in (tmp_path / "report.html").read_text()
     assert (code, result["robot"], len(result["rows"])) == (0, "drawn", 8)
     for row in result["rows"]:
         assert (row["in"], row["met"], row["walks"]) == (["3-D"], None, 2)
