@@ -43,7 +43,7 @@ class TrotSetup:
     heading_kp_q16: int = field("Q16 / tick", "turn per error of the heading")
     slope_gain_q15: int = field("Q15 / tick", "gain with which the slope of the ground is updated")
     rolling_q15: int = field("Q15", "speed of a round foot's centre per speed of the body")
-    tilt_lead_q8: int = field("ticks Q8", "from measuring the tilt to the middle of the tick in which goals act")
+    tilt_lead_q8: int = field("ticks Q8", "how far ahead a tilt is foreseen, at most until goals act")
     lag_q8: int = field("ticks Q8", "lag of the drives: damping over stiffness")
     friction: Ints = vector(3, "brad", "dry friction of each motor, as the joint error that overcomes it, up to 2^12")
     load_friction_q12: int = field("Q12", "friction of the load, per sag of the joint, up to 2^13")
