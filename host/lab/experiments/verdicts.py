@@ -62,7 +62,7 @@ def within(least: float = 1.0, judged: bool = True, **limits: tuple[float, float
     return judge
 
 
-def carries(most: float) -> Judge:
+def carries(most: float, judged: bool = True) -> Judge:
     """Return a judge of a walk in each knee configuration: met if one has no joint above ``most`` of stall anywhere."""
 
     def judge(answers: Answers) -> tuple[bool | None, str]:
@@ -73,7 +73,7 @@ def carries(most: float) -> Judge:
             parts = " and ".join(f"{'walks' if answer.ok else 'fails'} {100 * part:.0f} %"
                                  for answer, part in zip(walks, worst, strict=True))
             told.append(f"{knees} {parts}")
-        return good, ", ".join(told)
+        return good if judged else None, ", ".join(told)
 
     return judge
 

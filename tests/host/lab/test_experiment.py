@@ -238,6 +238,14 @@ def test_a_step_taken_by_the_crawl_is_not_taken_at_a_trot():
     assert not goals.at_a_trot(FELL)
 
 
+def test_a_load_that_is_too_much_to_stand_with_is_not_a_goal():
+    """In the plane no joint may need 40 % of stall: Parallel needs 55 % to stand with its load, Caramelo 39 %."""
+    for name, met, wanted in (("parallel", None, "to stand with it takes 55 % of stall"), ("caramelo", True, "40 %")):
+        (case,) = goals.load(Options(load_robot(name), "trot"), goals.wanted(load_robot(name), "trot"), PLANE)
+        assert wanted in case.wanted
+        assert case.judge({PLANE: [ARRIVED] * len(case.trials[PLANE])})[0] is met
+
+
 def test_any_robot_has_its_goals():
     """One that no table names has them by its size and its gait's own limit; groups can be asked for one by one."""
     stranger = ROBOT.model_copy(update={"name": "stranger"})

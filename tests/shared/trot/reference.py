@@ -213,7 +213,7 @@ class FloatTrot:
 
     def level_body(self, tilt, rates, pose, balance):
         """Write the tilt to come, the turns that level the body or follow its pose; follow that along the ground."""
-        ahead_s = min(self.robot.bus.delay_s + self.dt / 2, tuning.LEAD_SHARE * self.f.swing_s)
+        ahead_s = min(self.robot.bus.delay_s + self.dt / 2, tuning.LEAD_MOST_S)
         self.then = [tilt[i] + limit(rates[i], TURN_MAX / self.dt) * ahead_s for i in range(2)]
         gain = tuning.LEVEL_SHARE / self.f.tipping_s
         turns = [-gain * (tilt[i] - pose[i + 3]) for i in range(2)]
