@@ -179,7 +179,7 @@ def level_body(params: Params, trot: Trot, tilt: Ints, turned: Turn, pose: Pose)
 
 @hot
 def predict_tilt(params: Params, tilt: int, turned: int) -> int:
-    """Return roll or pitch, rad Q14, when this tick's goals act: now ``tilt`` brad, and turning on by ``turned``.
+    """Return roll or pitch, rad Q14, as foreseen: now ``tilt`` brad, and turning on by ``turned`` for the tilt's lead.
 
     turned: 2^-18 rad in a tick, 0 for the tilt as it is.
     """
