@@ -44,7 +44,7 @@ def run_json(run):
 
     def call(*arguments):
         code, out, err = run(*arguments, "--json")
-        assert out.count("\n") == 1, out
+        assert out.count("\n") == 1, (code, out, err)
         return code, json.loads(out), err
 
     return call
