@@ -88,7 +88,7 @@ def standing(teleop):
 
 
 def walks(status):
-    return status["state"] == "walking" and not status["reason"]
+    return status["state"] == "walking" and not status["reason"] and any(status["speed"])
 
 
 def driven(teleop, push, found=walks):
