@@ -95,7 +95,7 @@ class ServoBus(Bus):
             raise
 
     def _find_all(self) -> None:
-        models = [self.link.ping_patiently(servo) for servo in self._ids]
+        models = [self.link.ping(servo) for servo in self._ids]
         missing = [self.name(joint) for joint, model in enumerate(models) if model is None]
         if len(missing) == JOINTS:
             raise ServoError(

@@ -26,7 +26,7 @@ from .table import Register
 
 # Outside the control loop a busy machine may be late; a scan asks 253 ids, most of them in vain.
 PATIENCE_MS, PING_PATIENCE_MS = 30.0, 8.0
-RETRIES = 5  # at 4 % lost or damaged packets one exchange in ten million fails
+RETRIES = 5  # at 4 % lost or damaged packets one exchange in ten million fails; each waits twice as long as the last
 Answered = TypeVar("Answered")
 
 
@@ -67,16 +67,12 @@ class Link:
 
     def ping(self, servo: int, tries: int = RETRIES, patience_ms: float = PING_PATIENCE_MS) -> int | None:
         """Return the model number of a servo, or None if it does not answer."""
-        with self.patient(patience_ms):
-            for _ in range(tries):
-                model, result, _ = self._guard(self.packets.ping, self.port, servo)
-                if self._count(result):
-                    return int(model)
-        return None
 
-    def ping_patiently(self, servo: int) -> int | None:
-        """Return the same for a servo that should be there: asks with more patience before it counts as missing."""
-        return self.ping(servo) or self.ping(servo, patience_ms=PATIENCE_MS)
+        def ask() -> int | None:
+            model, result, _ = self._guard(self.packets.ping, self.port, servo)
+            return int(model) if self._count(result) else None
+
+        return self._persist(ask, tries, patience_ms)
 
     def ping_all(self) -> dict[int, int]:
         """Return the model numbers of all servos that answer, by id; asks only once.
@@ -119,15 +115,17 @@ class Link:
         self.counters.refused += bool(why)
         raise ServoError(f"servo id {servo} refuses: {why}") if why else Silent(servo)
 
-    def _persist(self, ask: Callable[[], Answered | None]) -> Answered | None:
-        """Ask until there is an answer; None after a few tries.
+    def _persist(
+        self, ask: Callable[[], Answered | None], tries: int = RETRIES, first_ms: float = PATIENCE_MS
+    ) -> Answered | None:
+        """Ask until there is an answer, with twice the patience each time; None after so many tries.
 
         Packets have no numbers: an answer to a try that was given up would be taken for that to the next question.
         """
-        with self.patient(PATIENCE_MS):
-            for tries in range(RETRIES):
+        for number in range(tries):
+            with self.patient(first_ms * 2**number):
                 answer = ask()
-                if answer is None or tries > 0:
+                if number > 0 or (answer is None and tries > 1):
                     self._drain()
                 if answer is not None:
                     return answer

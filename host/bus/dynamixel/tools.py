@@ -68,13 +68,13 @@ def set_id(link: Link, old: int, new: int) -> None:
             raise UserError(f"id {number}: allowed 0 .. {IDS - 1}")
     if old == new:
         raise UserError(f"id {new}: the servo has this id already")
-    if link.ping_patiently(old) is None:
+    if link.ping(old) is None:
         raise ServoError(f"no servo answers with id {old}: find it with: caramelo servos scan")
     if link.ping(new) is not None:
         raise ServoError(f"id {new} is taken by another servo: renumber or unplug that one first")
     link.write(old, t.TORQUE_ENABLE, 0)
     _write_unless_moved(link, old, t.ID, new, lambda: link.ping(new) is not None)
-    if link.ping_patiently(new) is None:
+    if link.ping(new) is None:
         raise ServoError(f"the servo no longer answers as {old} or as {new}: check its cable, then scan")
 
 
@@ -82,12 +82,12 @@ def set_baud(link: Link, servo: int, baud: int) -> None:
     """Set a servo's rate; from then on it answers only at that rate."""
     if baud not in t.BAUDS:
         raise UserError(f"{baud} baud: allowed {', '.join(map(str, t.BAUDS))}")
-    if link.ping_patiently(servo) is None:
+    if link.ping(servo) is None:
         raise ServoError(f"no servo answers with id {servo}: find it with: caramelo servos scan --all-bauds")
     link.write(servo, t.TORQUE_ENABLE, 0)
 
     def answers_there() -> bool:
-        return bool(link.port.setBaudRate(baud)) and link.ping_patiently(servo) is not None
+        return bool(link.port.setBaudRate(baud)) and link.ping(servo) is not None
 
     _write_unless_moved(link, servo, t.BAUD, t.BAUDS.index(baud), answers_there)
     if not answers_there():
@@ -122,7 +122,7 @@ class Status:
 
 def status(link: Link, servo: int) -> Status | None:
     """Return what a servo reports about itself, or None if it does not answer, or no longer."""
-    model = link.ping_patiently(servo)
+    model = link.ping(servo)
     if model is None:
         return None
     try:

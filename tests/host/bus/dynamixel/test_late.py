@@ -1,9 +1,10 @@
 """Answers that come late are counted once: as lost when they are given up, and not again when they come."""
 
+import pytest
 from dynamixel_sdk import COMM_RX_TIMEOUT, COMM_SUCCESS
 
 from host.bus.dynamixel import table as t
-from host.bus.dynamixel.link import PATIENCE_MS, Link
+from host.bus.dynamixel.link import Link
 
 
 class Port:
@@ -11,6 +12,9 @@ class Port:
 
     is_real = False
     patience_ms = 0.0
+
+    def clearPort(self):
+        """Clear nothing."""
 
 
 class Line(Link):
@@ -54,14 +58,15 @@ def test_an_answer_is_not_late_once_all_have_come():
     assert (line.counters.late, line.counters.wrong) == (0, 1)
 
 
-def test_a_servo_that_should_be_there_is_asked_with_more_patience_before_it_is_missing(monkeypatch):
+@pytest.mark.parametrize(("late_ms", "model"), [(0.0, 30), (100.0, 30), (1000.0, None)])
+def test_a_servo_that_is_late_is_asked_again_with_more_patience(monkeypatch, late_ms, model):
     link = Link(Port())
 
     def slow(port, servo):
-        return (30, COMM_SUCCESS, 0) if port.patience_ms >= PATIENCE_MS else (0, COMM_RX_TIMEOUT, 0)
+        return (30, COMM_SUCCESS, 0) if port.patience_ms >= late_ms else (0, COMM_RX_TIMEOUT, 0)
 
     monkeypatch.setattr(link.packets, "ping", slow)
-    assert (link.ping(3), link.ping_patiently(3)) == (None, 30)
+    assert (link.ping(3), link.ping(3, tries=1)) == (model, None if late_ms else 30)
     assert link.port.patience_ms == 0.0
 
 
@@ -75,7 +80,7 @@ class Dozing:
         self.asked, self.coming, self.here = [], [], 0
         monkeypatch.setattr(link.packets, "readTxRx", self.read)
         monkeypatch.setattr("host.bus.dynamixel.link.time.sleep", self.sleep)
-        monkeypatch.setattr(link.port, "clearPort", self.clear, raising=False)
+        monkeypatch.setattr(link.port, "clearPort", self.clear)
 
     def read(self, port, servo, address, size):
         self.asked.append(address)
