@@ -17,7 +17,7 @@ from typing import IO
 
 ROOT = Path(__file__).resolve().parent.parent
 # The folder whose tests take longest comes first, so that none of them is left over for one core at the end.
-OF_SOURCES = ("tests/host/boards", "tests/firmware", "tests/shared")
+OF_SOURCES = ("tests/host/boards/runtimes", "tests/firmware", "tests/shared")
 GIVES_WAY = ("nice", "-n", "5")  # a third of the processor time of one that does not
 INTERRUPTED = 130  # exit code, as a shell has it
 ENDS = (signal.SIGINT, signal.SIGTERM)

@@ -16,10 +16,11 @@ from .trees import frame, make
 
 
 def put(board, image, **wish):
-    """Flash it, and wait until it runs again: flashing ends with a reset, which takes the board some time."""
-    outcome = flash(board.port, Wish(image, **wish))
-    board.wait_for_own_start()
-    return outcome
+    """Flash it, and wait until it runs again: flashing ends with a reset, also where it is refused."""
+    try:
+        return flash(board.port, Wish(image, **wish))
+    finally:
+        board.wait_for_own_start()
 
 
 def contents(board):
