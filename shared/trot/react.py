@@ -28,6 +28,7 @@ _MET_QUARTERS = const(1)
 _LANDED_QUARTERS = const(2)
 _FALL_QUARTER = const(128)  # a quarter of the mean fall of a planned swing, apex over half its time, which is Q8
 _SWINGS_MAX = const(100)
+_SLOW_SWINGS = const(12)  # three cycles: one begins or ends a walk
 _DOWN_Q20 = const(20972)  # 0.02: ground that falls more steeply goes down; before a wall it seemed to rise by 0 .. 0.04
 EARLY = const(1)  # of ``early_contact``: the foot has met ground higher than planned
 EARLY_NOW = const(2)  # it has met it in this tick, in whose goals no lag is compensated
@@ -223,6 +224,7 @@ def count_held_up(params: Params, trot: Trot, leg: int) -> None:
     if trot.apex[leg ^ 1] >= params.trot.highest_lift:
         trot.rises_first[leg] = 0
     count_in_row(trot, leg)
+    count_slow(params, trot, speed, measured_speed)
     if held_up[leg] == 0:
         usual = trot.usual_lag[leg] + (trot.peak_lag[leg] - trot.usual_lag[leg] >> 2)
         trot.usual_lag[leg] = saturate(usual, 0, params.leg_length * _USUAL_Q10 >> 10)
@@ -236,6 +238,22 @@ def count_held_up(params: Params, trot: Trot, leg: int) -> None:
     state.stuck_ticks = 0
     if speed:
         state.stuck_ticks = most * (CYCLE_Q20 >> 1) // params.trot.phase_step_q20
+
+
+@hot
+def count_slow(params: Params, trot: Trot, speed: int, measured_speed: int) -> None:
+    """Begin a swing: swing high from now on if the body has long been slow, commanded to ``speed``, lf / tick.
+
+    A slow robot's feet never are so far behind their mates that they count as held up: its swings are too short.
+    """
+    state = trot.state
+    if state.high_left or speed == 0 or measured_speed * 2 > speed:
+        state.slow_swings = 0
+    else:
+        state.slow_swings += 1
+    if state.slow_swings >= _SLOW_SWINGS:
+        state.high_left = params.trot.high_distance
+        state.held_up_count += 1
 
 
 @hot
