@@ -327,17 +327,14 @@ def choose_lift(params: Params, trot: Trot) -> None:
 
 @hot
 def count_high(params: Params, trot: Trot) -> None:
-    """Count down the way left to go with high swings.
+    """Count down the way left to go with high swings, as far as the body goes the commanded way.
 
     Not done where the ground climbs: on stairs the feet land where their plane expects them, and meet nothing.
     """
     state = trot.state
     setup = params.trot
     ahead = state.measured_speed.x
-    aside = state.measured_speed.y
-    if ahead < 0:
+    if state.foot_speed.x < 0:
         ahead = -ahead
-    if aside < 0:
-        aside = -aside
-    distance = saturate(ahead + aside, setup.high_slowest, setup.high_distance)
+    distance = saturate(ahead, setup.high_slowest, setup.high_distance)
     state.high_left = saturate(state.high_left - distance, 0, setup.high_distance)
