@@ -73,6 +73,7 @@ class FloatTrot:
         self.phase = tuning.STANCE_SHARE / 2 - 0.25
         self.measured_speed, self.drift, self.foot_speed = [0.0] * 2, [0.0] * 2, [0.0] * 2
         self.heading = self.high_left = self.u = 0.0
+        self.slow_swings = 0
         self.pushed = False
         self.hurries_high = tuning.can_lift(robot, figures, tuning.HURRY)
         self.load, self.stance, self.early_contact = [0.0] * 4, [1] * 4, [0] * 4
@@ -229,7 +230,7 @@ class FloatTrot:
         self.lift = self.low
         if self.high_left:
             self.lift = self.high
-            gone = max(0.05, abs(self.measured_speed[0]) + abs(self.measured_speed[1])) * self.dt
+            gone = max(0.05, self.measured_speed[0] * (-1 if self.foot_speed[0] < 0 else 1)) * self.dt
             self.high_left = max(0.0, self.high_left - (0.0 if self.climbs() else gone))
 
     def climbs(self):
@@ -285,10 +286,19 @@ class FloatTrot:
         self.apex[leg] = self.swing_apex(leg)
         alone = self.apex[leg ^ 1] < self.highest and not self.climbs()
         self.rises_first[leg] = bool(self.held_up[leg] and self.high_left and alone)
+        self.count_slow()
         if not self.held_up[leg]:
             self.usual_lag[leg] = min(0.75 * self.usual_lag[leg] + 0.25 * self.peak_lag[leg], 41 / 1024 * self.leg_m)
         self.held_up[leg], self.peak_lag[leg], self.shortened[leg] = False, 0.0, 0.0
         self.swing_top[leg], self.stance[leg] = -math.inf, 0
+
+    def count_slow(self):
+        """Swing high after twelve swings in a row that began at half of the commanded speed or less."""
+        back = -1 if self.foot_speed[0] < 0 else 1
+        slow = 2 * back * self.measured_speed[0] <= abs(self.foot_speed[0]) > 0
+        self.slow_swings = self.slow_swings + 1 if slow and not self.high_left else 0
+        if self.slow_swings >= 12:
+            self.high_left = tuning.HIGH_LENGTHS * self.f.length_m
 
     def swing_apex(self, leg):
         return self.highest if self.high_left and self.held_up[leg] else self.lift

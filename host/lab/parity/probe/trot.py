@@ -156,6 +156,7 @@ PROBES = (
     _probe(react, "strikes", (ROBOT, TROT, LEG, LAG), watch=(), fit=_moving),
     _probe(react, "may_be_late", (TROT, LEG), fit=_leg_moving),
     _probe(react, "count_held_up", (ROBOT, TROT, LEG), fit=_moving),
+    _probe(react, "count_slow", (ROBOT, TROT, SPEED18, SPEED18)),
     _probe(react, "count_in_row", (TROT, LEG), fit=_leg_moving),
     _probe(react, "swing_apex", (ROBOT, TROT, LEG), fit=_moving),
     _probe(react, "shorten_swing", (TROT, LEG), fit=_leg_moving),
