@@ -15,6 +15,7 @@ from host.robot.file import load_robot, robot_names
 from host.robot.poses import rest_pose_rad
 from host.robot.trot_tuning import trot_figures
 from host.sim.export.mjcf import ModelOptions
+from host.sim.grounds import GroundSpec
 from host.sim.space.walk import SpaceWalker, walk_in_space
 from host.sim.space.world import World
 from host.sim.walk import WalkSpec
@@ -47,6 +48,14 @@ def test_a_long_delay_that_the_file_has_does_not_rock_the_body(name):
     """Foreseen for as long as the delay, the body's own wobble looked like a fall: both fell with 60 ms."""
     robot = with_delay(load_robot(name), 0.06)
     walks(robot, ability(robot).flat_m_s, bus_delay_s=0.06)
+
+
+@pytest.mark.parametrize("start_m", [0.25, 0.28])
+def test_a_slow_robot_notices_an_edge_that_holds_it(start_m):
+    """Its swings are too short to be held up far: Solo 12 trotted on the spot before this edge for ever."""
+    ground = GroundSpec("step-up", 0.05, start_m=start_m)
+    walk = walk_in_space(WalkSpec(load_robot("solo12"), "trot", 0.06, ground, distance_m=start_m + 0.4))
+    assert walk.outcome.kind == "arrived", walk.outcome.sentence
 
 
 @pytest.mark.parametrize("name", robot_names())
