@@ -28,7 +28,7 @@ _MET_QUARTERS = const(1)
 _LANDED_QUARTERS = const(2)
 _FALL_QUARTER = const(128)  # a quarter of the mean fall of a planned swing, apex over half its time, which is Q8
 _SWINGS_MAX = const(100)
-_SLOW_SWINGS = const(12)  # three cycles: one begins or ends a walk
+_SLOW_SWINGS = const(16)  # four cycles. As a loaded robot sets off, up to 8 are; with 12 Pupper crawled more often
 _DOWN_Q20 = const(20972)  # 0.02: ground that falls more steeply goes down; before a wall it seemed to rise by 0 .. 0.04
 EARLY = const(1)  # of ``early_contact``: the foot has met ground higher than planned
 EARLY_NOW = const(2)  # it has met it in this tick, in whose goals no lag is compensated
@@ -247,7 +247,7 @@ def count_slow(params: Params, trot: Trot, speed: int, measured_speed: int) -> N
     A slow robot's feet never are so far behind their mates that they count as held up: its swings are too short.
     """
     state = trot.state
-    if state.high_left or speed == 0 or measured_speed * 2 > speed:
+    if state.high_left or speed == 0 or measured_speed * 2 >= speed:
         state.slow_swings = 0
     else:
         state.slow_swings += 1
@@ -327,14 +327,17 @@ def choose_lift(params: Params, trot: Trot) -> None:
 
 @hot
 def count_high(params: Params, trot: Trot) -> None:
-    """Count down the way left to go with high swings, as far as the body goes the commanded way.
+    """Count down the way left to go with high swings.
 
     Not done where the ground climbs: on stairs the feet land where their plane expects them, and meet nothing.
     """
     state = trot.state
     setup = params.trot
     ahead = state.measured_speed.x
-    if state.foot_speed.x < 0:
+    aside = state.measured_speed.y
+    if ahead < 0:
         ahead = -ahead
-    distance = saturate(ahead, setup.high_slowest, setup.high_distance)
+    if aside < 0:
+        aside = -aside
+    distance = saturate(ahead + aside, setup.high_slowest, setup.high_distance)
     state.high_left = saturate(state.high_left - distance, 0, setup.high_distance)

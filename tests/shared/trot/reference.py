@@ -230,7 +230,7 @@ class FloatTrot:
         self.lift = self.low
         if self.high_left:
             self.lift = self.high
-            gone = max(0.05, self.measured_speed[0] * (-1 if self.foot_speed[0] < 0 else 1)) * self.dt
+            gone = max(0.05, abs(self.measured_speed[0]) + abs(self.measured_speed[1])) * self.dt
             self.high_left = max(0.0, self.high_left - (0.0 if self.climbs() else gone))
 
     def climbs(self):
@@ -293,11 +293,11 @@ class FloatTrot:
         self.swing_top[leg], self.stance[leg] = -math.inf, 0
 
     def count_slow(self):
-        """Swing high after twelve swings in a row that began at half of the commanded speed or less."""
+        """Swing high after sixteen swings in a row that began at less than half of the commanded speed."""
         back = -1 if self.foot_speed[0] < 0 else 1
-        slow = 2 * back * self.measured_speed[0] <= abs(self.foot_speed[0]) > 0
+        slow = 2 * back * self.measured_speed[0] < abs(self.foot_speed[0]) > 0
         self.slow_swings = self.slow_swings + 1 if slow and not self.high_left else 0
-        if self.slow_swings >= 12:
+        if self.slow_swings >= 16:
             self.high_left = tuning.HIGH_LENGTHS * self.f.length_m
 
     def swing_apex(self, leg):
