@@ -42,7 +42,7 @@ class TrotState:
     standing: int = field("", "how many legs stand")
     still_q20: int = field("Q20 of a cycle", "phase passed since the command is to stand, up to 2^21")
     ring_at: int = field("", "this tick's place in the rings, 0 .. 15")
-    held_up_count: int = field("", "swings held up since the start")
+    held_up_count: int = field("", "swings held up since the start, and slow bodies taken for it")
     slow_swings: int = field("", "low swings in a row that began at less than half of the commanded speed")
     early_contacts: int = field("", "feet that met ground higher than planned since the start")
     stuck_ticks: int = field("ticks", "for how long the robot, commanded to walk, has made no progress; else 0")

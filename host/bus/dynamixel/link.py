@@ -120,15 +120,16 @@ class Link:
     ) -> Answered | None:
         """Ask until there is an answer, with twice the patience each time; None after so many tries.
 
-        Packets have no numbers: an answer to a try that was given up would be taken for that to the next question.
+        Packets have no numbers: once a try has been given up, what comes may be the answer to that one, and the present
+        one's would be taken for that to the next question.
         """
         for number in range(tries):
             with self.patient(first_ms * 2**number):
                 answer = ask()
-                if number > 0 or (answer is None and tries > 1):
+                if answer is not None and number > 0:
                     self._drain()
-                if answer is not None:
-                    return answer
+            if answer is not None:
+                return answer
         return None
 
     def set_up(self, servo: int, name: str, settings: Iterable[tuple[Register, int]]) -> None:

@@ -185,13 +185,16 @@ def test_where_it_climbs_a_swing_that_was_held_up_counts_only_if_it_is_slow(
 @pytest.mark.parametrize(("of_speed", "goes"), [(-1.0, False), (0.0, False), (0.49, False), (0.5, True), (1.0, True)])
 def test_a_body_that_is_slow_for_four_cycles_swings_high(pair, way, of_speed, goes):
     """A slow robot stood before an edge for ever: its feet never are far behind."""
-    state, walk = pair.walk.state, pair.walk
+    state, walk, twin = pair.walk.state, pair.walk, pair.twin
     state.high_left = 0
     state.foot_speed.x, state.measured_speed.x = way * 1000, round(way * 1000 * of_speed)
+    twin.foot_speed[0], twin.measured_speed[0] = way, way * of_speed
     for swing in range(16):
-        assert state.high_left == 0, swing
+        assert state.high_left == twin.high_left == 0, swing
         count_held_up(pair.params, walk, swing & 3)
+        twin.count_slow()
     assert state.high_left == (0 if goes else pair.params.trot.high_distance)
+    assert pair.scale.metres(state.high_left / 256) == pytest.approx(twin.high_left, abs=0.001)
 
 
 def test_a_body_that_is_to_turn_or_go_sideways_is_never_slow(pair):

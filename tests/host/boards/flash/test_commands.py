@@ -15,7 +15,7 @@ from host.boards.flash.shell import join
 from host.util.errors import UserError
 from tests.waiting import PATIENCE_S
 
-from .pretend import PretendBoard
+from .pretend import STARTS, PretendBoard
 from .trees import LAYOUT_ONLY, make
 
 
@@ -163,10 +163,14 @@ def test_several_boards_info_logs_and_reset(run, run_json, images, tmp_path):
 
 def test_micropython_without_our_firmware_is_told_what_to_do(refused, tmp_path):
     with PretendBoard(tmp_path / "board", make(modules={"main.py": "", **LAYOUT_ONLY})) as board:
-        for command in ("info", "logs"):
+
+        def ask(command):
             line = refused("board", command, "--port", board.port, code=1)
             assert "caramelo's firmware is not on the board" in line
             assert "dfu-util" in line
+
+        for command in ("info", "logs"):  # each ends with a reset
+            board.after_reset(lambda command=command: ask(command), STARTS)
 
 
 def test_a_board_without_a_joints_firmware_has_no_self_test(refused, tmp_path):
