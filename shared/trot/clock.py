@@ -8,7 +8,6 @@ to swing come down again at once, except in high swings, which an edge needs.
 from ..body.params import LEGS, Params
 from ..runtime import const, hot
 from .feet import lift_off
-from .ground import careful
 from .react import check_landing, count_held_up, react
 from .state import CYCLE_Q20, Trot
 
@@ -72,8 +71,6 @@ def advance_phase(params: Params, trot: Trot, still: int) -> None:
     step = params.trot.phase_step_q20
     if state.pushed and state.swinging:
         step = hurried_step(params, trot)
-    elif state.swinging == 0 and careful(params, trot):
-        step = params.trot.careful_step_q20
     state.phase_q20 = state.phase_q20 + step & CYCLE_Q20 - 1
     if still == 0:
         state.still_q20 = 0

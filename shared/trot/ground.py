@@ -13,7 +13,6 @@ _MOST_Q20 = const(314573)  # steepest slope: 0.3, 17 deg
 _STEEP_Q20 = const(104858)  # 0.1: half the slope of stairs with steps of 0.17 of the leg
 _STEP_Q14 = const(8191)
 _UNEVEN_Q10 = const(98)  # 0.006 of the leg, in lu Q4; 0.002 on a slope of 10 deg, 0.009 to 0.04 on stairs (measured)
-_ROUGH_Q10 = const(41)  # 0.0025 of the leg, in lu Q4; at most 0.0013 on level ground, 0.003 on stones (seven robots)
 _FAR = const(32767)
 
 
@@ -104,23 +103,6 @@ def climbs(params: Params, trot: Trot) -> int:
     if slope_ahead_q20(trot) > _STEEP_Q20 and trot.state.uneven_q4 > params.leg_length * _UNEVEN_Q10 >> 10:
         return 1
     return 0
-
-
-@hot
-def careful(params: Params, trot: Trot) -> int:
-    """Return 1 if the robot walks with care: slowly, with low swings, where the feet lately stood off their plane.
-
-    Then its body is levelled faster (steer.py), swings are higher (react.py), and all feet stand longer (clock.py).
-    """
-    state = trot.state
-    most = params.trot.careful_speed
-    ahead = state.foot_speed.x
-    aside = state.foot_speed.y
-    if state.high_left or state.uneven_q4 <= params.leg_length * _ROUGH_Q10 >> 10:
-        return 0
-    if ahead > most or ahead < -most or aside > most or aside < -most:
-        return 0
-    return 1
 
 
 @hot

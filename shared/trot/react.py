@@ -3,7 +3,7 @@
 from ..body.params import LEGS, LF_BITS, Params
 from ..num.fixed import saturate
 from ..runtime import const, hot
-from .ground import careful, climbs, ground_z, level_z, slope_ahead_q20
+from .ground import climbs, ground_z, level_z, slope_ahead_q20
 from .state import CYCLE_Q20, Trot
 
 _MIDDLE = const(16384)  # middle of a swing, Q15: from here on a foot comes down
@@ -316,8 +316,6 @@ def choose_lift(params: Params, trot: Trot) -> None:
     """Write the apex of the next swings: as commanded, the robot's own, or high after something was met."""
     state = trot.state
     state.lift = params.trot.low_lift
-    if careful(params, trot):
-        state.lift = params.trot.careful_lift
     if trot.command.height > 0:
         state.lift = saturate(trot.command.height, 0, params.trot.highest_lift)
     if state.high_left:

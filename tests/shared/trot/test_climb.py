@@ -62,9 +62,6 @@ def test_swings_stay_high_while_it_climbs_and_no_longer(pair):
     for _ in range(setup.high_distance // setup.high_slowest + 2):
         choose_lift(pair.params, pair.walk)
     assert state.high_left == 0
-    assert state.lift == setup.careful_lift
-    state.uneven_q4 = 0
-    choose_lift(pair.params, pair.walk)
     assert state.lift == setup.low_lift
 
 
