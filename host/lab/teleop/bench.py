@@ -32,6 +32,7 @@ GROWN_KB = 2000  # the allocators' own coming and going (measured: a few hundred
 MESSAGES, CONNECTIONS = 10_000, 200
 SETTLE_S = 1.3  # counts of the page's process come once a second
 STAND_S = 20.0
+PUSHES = 5  # made at most until one is not ended by a fault
 
 
 @dataclass(frozen=True)
@@ -156,7 +157,6 @@ def _latencies(folder: Path, name: str, opener: Callable[[Path], Any], presses: 
     """Return how long a source's sticks and stops take to reach the packet."""
     chance = Random("pauses")
     with opener(folder) as (teleop, source):
-        teleop.stand(source, lambda status: status["state"] == "standing", STAND_S)
         steered_s = [_press(teleop, source, chance) for _ in range(presses)]
         stopped_s = [_stop(teleop, source, chance) for _ in range(presses)]
         if name.startswith("page"):
@@ -177,15 +177,26 @@ def _latency(what: str, figures: dict[str, float], at_most: float) -> Row:
 
 
 def _press(teleop: Watched, source: Source, chance: Random) -> float:
-    """Push the stick at any moment of a tick, and let it go; return how long the push took, s."""
-    time.sleep(chance.uniform(0.02, 0.06))
-    pushed_s = time.monotonic()
-    source("push")
-    status = teleop.wait(_since("steered_at_s", pushed_s))
-    let_go_s = time.monotonic()
-    source("let go")
-    teleop.wait(_since("steered_at_s", let_go_s))
-    taken_s: float = status["timing"]["steered_at_s"] - pushed_s
+    """Push the stick at any moment of a tick, and let it go; return how long the push took, s.
+
+    A push during which a fault ended the walk measures nothing and is made again. UserError after ``PUSHES`` of them.
+    """
+    for _ in range(PUSHES):
+        teleop.stand(source, lambda status: status["state"] in ("standing", "walking"), STAND_S)
+        time.sleep(chance.uniform(0.02, 0.06))
+        taken_s = _moved(teleop, source, "push")
+        if taken_s is not None and _moved(teleop, source, "let go") is not None:
+            return taken_s
+    raise UserError(f"a fault ended each of {PUSHES} walks: {teleop.status()['reason']}", NOT_ACHIEVED)
+
+
+def _moved(teleop: Watched, source: Source, what: str) -> float | None:
+    """Move the stick and return how long that took to reach a packet, s; None if a fault came first."""
+    moved_s = time.monotonic()
+    source(what)
+    sent = _since("steered_at_s", moved_s)
+    status = teleop.wait(lambda status: sent(status) or status["state"] == "fault")
+    taken_s: float | None = status["timing"]["steered_at_s"] - moved_s if sent(status) else None
     return taken_s
 
 

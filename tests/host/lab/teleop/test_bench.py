@@ -1,9 +1,13 @@
 """The bench of teleoperation: its rows, and one source measured through the whole command."""
 
+import time
+from random import Random
+
 import pytest
 
 from host.lab.teleop import bench
 from host.lab.teleop.watched import Watched
+from host.util.errors import UserError
 
 
 def test_a_figure_is_reached_or_not():
@@ -39,6 +43,39 @@ def test_a_fault_on_the_way_up_is_reset_and_it_stands_up_again():
     asked, told = [], Told("disarmed", "standing up", "fault", "disarmed", "standing up", "standing", "walking")
     assert told.stand(asked.append, lambda status: status["state"] == "standing") == {"state": "standing"}
     assert asked == ["stand", "reset", "stand", "stand"]
+
+
+class Stick(Watched):
+    """A command whose servos fall silent as the stick is moved for the given times; else each move is sent at once."""
+
+    def __init__(self, *silent):
+        self.silent, self.moves, self.state, self.sent_s = silent, 0, "disarmed", 0.0
+
+    def ask(self, what):
+        self.state = {"stand": "standing", "reset": "disarmed"}.get(what, self.state)
+        if what in ("push", "let go"):
+            self.moves += 1
+            self.state, self.sent_s = "walking", time.monotonic()
+            if self.moves in self.silent:
+                self.state, self.sent_s = "fault", 0.0
+
+    def status(self):
+        return {"state": self.state, "reason": "12 joints do not answer", "timing": {"steered_at_s": self.sent_s}}
+
+
+@pytest.mark.parametrize(("silent", "moves"), [((), 2), ((1,), 3), ((2,), 4), ((1, 3), 5)])
+def test_a_push_that_a_fault_ends_is_made_again(silent, moves):
+    """A busy machine's emulated servos fell silent while the robot walked: that ended `make test` once, too."""
+    stick = Stick(*silent)
+    assert 0 <= bench._press(stick, stick.ask, Random(1)) < 1
+    assert stick.moves == moves
+
+
+def test_a_robot_that_always_faults_is_told():
+    stick = Stick(*range(1, 100))
+    with pytest.raises(UserError, match="a fault ended each of 5 walks: 12 joints do not answer"):
+        bench._press(stick, stick.ask, Random(1))
+    assert stick.moves == 5
 
 
 @pytest.mark.parametrize(("value", "code"), [(20.0, 0), (31.0, 1)])
