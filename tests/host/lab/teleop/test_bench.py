@@ -46,7 +46,7 @@ def test_a_fault_on_the_way_up_is_reset_and_it_stands_up_again():
 
 
 class Stick(Watched):
-    """A command whose servos fall silent as the stick is moved for the given times; else each move is sent at once."""
+    """A command whose servos fall silent at some moves of the stick, counted from 1; all others are sent at once."""
 
     def __init__(self, *silent):
         self.silent, self.moves, self.state, self.sent_s = silent, 0, "disarmed", 0.0
@@ -60,7 +60,8 @@ class Stick(Watched):
                 self.state, self.sent_s = "fault", 0.0
 
     def status(self):
-        return {"state": self.state, "reason": "12 joints do not answer", "timing": {"steered_at_s": self.sent_s}}
+        told = {"state": self.state, "reason": "12 joints do not answer", "remark": ""}
+        return told | {"timing": {"steered_at_s": self.sent_s}}
 
 
 @pytest.mark.parametrize(("silent", "moves"), [((), 2), ((1,), 3), ((2,), 4), ((1, 3), 5)])
