@@ -83,6 +83,7 @@ class CrawlSetup:
     goal_lag_ticks: int = field("ticks", "from a goal sent to it reached", 60)
     stand_lift: int = field("lu", "the body's corner pushed up by that, the foot on its expected ground: it stands", 5)
     calf_lift: int = field("lu", "the body's corner pushed up by that: the calf stands on an edge", 9)
+    sink: int = field("lu", "the body's corner down by that over a leg in the air: it tips; 5 in 99 % of the steps", 15)
     calf_clear: int = field("lu", "lift off that edge", 25)
     # Filters
     force_q15: int = field("Q15 / tick", "force on a foot: joint speeds are counts a tick, coarse at high rates", 20)

@@ -25,6 +25,7 @@ EVENT_CALF = const(4)  # the calf, not the foot, stands on an edge
 EVENT_RISER = const(5)  # the foot ran into a riser
 EVENT_NO_GROUND = const(6)  # no ground at all: the foot is left hanging
 EVENT_DIAGONALS = const(7)  # the loads of the diagonals could not be brought to what was wanted
+EVENT_SINKS = const(8)  # the body sank over the leg in the air: it is put down at once
 
 FULL_SHARE_Q12 = const(4096)
 HISTORY_TICKS = const(32)  # ticks
@@ -144,7 +145,7 @@ class Stage:
 class Event:
     """What a leg met last, to be told."""
 
-    code: int = field("", "EVENT_NONE .. EVENT_DIAGONALS")
+    code: int = field("", "EVENT_NONE .. EVENT_SINKS")
     leg: int = field("", "which")
     z: int = field("lu", "off the expected height")
     number: int = field("", "how many so far: a change is news")

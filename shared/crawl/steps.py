@@ -4,7 +4,8 @@
 
 Order RL, FL, RR, FR. On even ground the strides are long and the motions quick. A swing that meets a step, a drop, a
 riser or its own calf on an edge is tried again somewhere else, at most three times; the body goes along so that the
-leg comes down steeply.
+leg comes down steeply. A leg over which the body sinks comes down at once: one of the others does not carry, and the
+robot would tip over.
 """
 
 from ..body.params import FL, FR, LEGS, LF_BITS, RR
@@ -22,6 +23,7 @@ from .state import (
     EVENT_LANDED,
     EVENT_NO_GROUND,
     EVENT_RISER,
+    EVENT_SINKS,
     EVENT_STEP,
     FULL_SHARE_Q12,
     HANG,
@@ -90,7 +92,9 @@ def swing_stage(crawl: Crawl, leg: int) -> None:
     """Take one tick of the stages in which ``leg`` is in the air."""
     stage = crawl.stage
     keep_past(crawl.contact, crawl.swing.place.x)
-    if stage.stage == LIFT:
+    if crawl.swing.place.z > crawl.map.feet[leg].z and corner_lift(crawl, leg) < -crawl.params.crawl.sink:
+        put_down(crawl, leg)
+    elif stage.stage == LIFT:
         if lift_foot(crawl.params, crawl.swing):
             start_swing(crawl)
             enter(crawl, SWING)
@@ -228,6 +232,23 @@ def hang_tick(crawl: Crawl, leg: int) -> None:
         enter(crawl, LOWER)
         crawl.swing.speed = params.crawl.hang_speed
         start_contact(crawl.contact)
+
+
+@hot
+def put_down(crawl: Crawl, leg: int) -> None:
+    """The body sinks over the leg in the air: bring its foot down as far as where it stood, in one jump.
+
+    Another foot does not carry what it should: it slid off an edge, or hangs. Any ground will do, and there is no time
+    for a tare.
+    """
+    swing = crawl.swing
+    swing.ground = crawl.map.feet[leg].z
+    note_event(crawl, EVENT_SINKS, swing.place.z - swing.ground)
+    swing.place.z = swing.ground
+    swing.tries = _TRIES
+    crawl.contact.tare_q12 = 0
+    enter(crawl, LOWER)
+    start_contact(crawl.contact)
 
 
 @hot

@@ -12,7 +12,7 @@ from .crawl_plan import BodyMove
 from .fixed import limit
 
 SHIFT, LIFT, SWING, HANG, LOWER, REST = range(6)
-LANDED, STEP, DROP, CALF, RISER, NO_GROUND, DIAGONALS = range(1, 8)
+LANDED, STEP, DROP, CALF, RISER, NO_GROUND, DIAGONALS, SINKS = range(1, 9)
 FR, FL, RR, RL = range(4)
 ORDER = (RL, FL, RR, FR)
 
@@ -111,7 +111,7 @@ class Machine:
             self.shift(felt)
         else:
             self.swing.past.append(self.swing.place[0])
-            (self.lift, self.move, self.hang, self.lower)[self.stage - LIFT](felt)
+            self.in_the_air(felt)
 
     def move_origin(self, body):
         """Put the map's origin under the body if it is half a leg away, sideways 3/4 of one; return the way or None.
@@ -255,6 +255,17 @@ class Machine:
         return self.footholds[side].pop(0)
 
     # --- a foot in the air
+
+    def in_the_air(self, felt):
+        """Go on with the stage, unless the body sinks over the leg: then it comes down where it is."""
+        s, sunk = self.swing, -self.pushed_up(felt)
+        if self.doubt.above(sunk, self.k.sink, TILT_ROUNDING) and s.place[2] > self.feet[s.leg][2]:
+            self.note_event(SINKS, s.place[2] - self.feet[s.leg][2])
+            s.place[2] = s.ground = self.feet[s.leg][2]
+            s.tries, s.tare, s.load_ticks, s.peak = TRIES, 0.0, 0, False
+            self.enter(LOWER)
+        else:
+            (self.lift, self.move, self.hang, self.lower)[self.stage - LIFT](felt)
 
     def lift(self, felt):
         """Go up and brake below the apex; a folded leg has its apex where it is."""

@@ -39,6 +39,7 @@ class Trouble:
     heavy: float = 0.0
     calves: float = 0.0  # how many of the swings stand on their calf
     straight: float = 0.0  # how many end on a leg too straight to feel the ground, and push the body up from it
+    sinks: float = 0.0  # over how many swings the body sinks
     clipped: float = 0.0
     pauses: float = 0.0  # how many of the ticks command nothing
 
@@ -60,7 +61,7 @@ class Pair:
         if name not in ROOMY:
             self.bounds.update(CRAMPED)
         self.origin = [0.0] * 3
-        self.pushed, self.straight, self.turned, self.met = 0.0, False, 0, set()
+        self.pushed, self.straight, self.sunk, self.turned, self.met = 0.0, False, 0.0, 0, set()
         self.stand()
 
     def stand(self):
@@ -188,7 +189,10 @@ class Pair:
             self.straight = self.dice.random() < self.trouble.straight
         elif c.stage.stage != at.LOWER:
             self.pushed, self.straight = 0.0, False
-        tilt = self.pushed + (pressed / self.k.half_length if self.straight else 0.0)
+        if c.stage.stage == at.LIFT and c.stage.stage_tick == 1:
+            sinks = self.trouble.sinks and self.dice.random() < self.trouble.sinks
+            self.sunk = self.dice.uniform(0.05, 0.15) if sinks else 0.0
+        tilt = self.pushed - self.sunk + (pressed / self.k.half_length if self.straight else 0.0)
         c.map.body_pose.pitch += round((-tilt if leg < 2 else tilt) / FINE_RAD)
 
     # --- any point

@@ -30,6 +30,7 @@ TROUBLES = st.builds(
     heavy=st.sampled_from((0.0, 0.0, 0.5, 1.0)),
     calves=st.sampled_from((0.0, 0.0, 0.4)),
     straight=st.sampled_from((0.0, 0.4)),
+    sinks=st.sampled_from((0.0, 0.0, 0.2)),
     clipped=st.sampled_from((0.0, 0.1)),
     pauses=st.sampled_from((0.0, 0.05, 0.5)),
 )
@@ -52,6 +53,7 @@ def test_whole_walks_go_the_same_way_to_the_tick_over_any_ground():
     @example(Trouble(straight=0.6), ROBOTS[0], False, 1)
     @example(Trouble(steps=[(0.14, -0.12)]), ROBOTS[0], False, 1)
     @example(Trouble(steps=[(0.17, 0.09)]), ROBOTS[0], False, 1)
+    @example(Trouble(sinks=0.5), ROBOTS[0], False, 1)
     @example(Trouble(skew=1.6, sticks=True), ROBOTS[0], False, 1)
     @given(TROUBLES, st.sampled_from(ROBOTS), st.booleans(), st.integers(0, 1 << 20))
     def walks(trouble, robot, planar, seed):
@@ -61,7 +63,7 @@ def test_whole_walks_go_the_same_way_to_the_tick_over_any_ground():
         met.update(pair.met)
 
     walks()
-    assert met == {twin.LANDED, twin.STEP, twin.DROP, twin.CALF, twin.RISER, twin.NO_GROUND, twin.DIAGONALS}
+    assert met == {twin.LANDED, twin.STEP, twin.DROP, twin.CALF, twin.RISER, twin.NO_GROUND, twin.DIAGONALS, twin.SINKS}
     assert turned < ticks / 1000
 
 
@@ -135,6 +137,7 @@ PLANTED = {
     "edge_height": 100,
     "drop_depth": 30,
     "calf_lift": 60,
+    "sink": 60,
     "stand_lift": 200,  # 1.5 mm: the foot goes 2 mm down in a tick
     "edge_advance": 60,
     "hind_lift": 60,
@@ -151,7 +154,7 @@ def test_a_setting_that_is_a_little_off_in_the_core_is_seen(setting):
         for seed in range(40):
             dice = random.Random(seed)
             steps = [(dice.uniform(0.05, 0.3), dice.choice((0.0185, 0.05, -0.03, -0.06)))]
-            pair = Pair(Trouble(steps=steps, calves=0.3, straight=0.3, pauses=0.1), dice)
+            pair = Pair(Trouble(steps=steps, calves=0.3, straight=0.3, sinks=0.2, pauses=0.1), dice)
             tuned = pair.crawl.params.crawl
             setattr(tuned, setting, getattr(tuned, setting) + PLANTED[setting])
             walked(pair, 12.0)
