@@ -76,10 +76,16 @@ def detect_held_up(params: Params, trot: Trot, leg: int) -> None:
 
     Both feet of a diagonal lag alike behind drives and bus, whether that lag is known or not. The difference that a
     load or an unknown delay leaves recurs in every swing, and counts as usual. A foot in a high swing lags more, and in
-    the highest it may just be late: swings do not stay high for that one.
+    the highest it may just be late: swings do not stay high for that one. In the plane nothing turns: feet that are told
+    to are not held up.
     """
     state = trot.state
     setup = params.trot
+    turn = state.turn_18
+    if turn < 0:
+        turn = -turn
+    if turn and params.lateral_q12 == 0:
+        return
     mate_lag = -trot.residual_x[3 - leg]
     behind = -mate_lag - trot.residual_x[leg]
     if state.foot_speed.x < 0:
@@ -87,9 +93,6 @@ def detect_held_up(params: Params, trot: Trot, leg: int) -> None:
         behind = -behind
     if behind > trot.peak_lag[leg]:
         trot.peak_lag[leg] = behind
-    turn = state.turn_18
-    if turn < 0:
-        turn = -turn
     usual = trot.usual_lag[leg] + (turn * setup.turn_side >> 10)
     behind -= usual
     high = 1

@@ -79,3 +79,15 @@ def test_a_knee_leg_beside_an_elbow_leg_may_just_be_late():
     for leg, knee in enumerate((1, 1, -1, -1)):
         params.legs[leg].knee = knee
     assert [bool(stop(params, walk, leg, swing_q15=20000)) for leg in range(4)] == [False, False, True, True]
+
+
+@pytest.mark.parametrize("turn_18", [-2000, 2000])
+def test_in_the_plane_a_foot_that_is_told_to_turn_is_not_held_up(turn_18):
+    """Turning, a robot in the plane took its feet for held up: it swung high, and now and then began to crawl."""
+    _, params, walk = stood("parallel")
+    walk.state.turn_18 = turn_18
+    assert stop(params, walk, 0, swing_q15=20000, falls=0.05)
+    params.lateral_q12 = 0
+    assert not stop(params, walk, 0, swing_q15=20000, falls=0.05)
+    walk.state.turn_18 = 0
+    assert stop(params, walk, 0, swing_q15=20000, falls=0.05)
