@@ -71,7 +71,7 @@ def crawl_event(driver: Driver) -> str:
         crawl.EVENT_CALF: f"{leg} had its calf on an edge: it lifts and goes further on",
         crawl.EVENT_RISER: f"{leg} hit a riser: it goes back and higher",
         crawl.EVENT_NO_GROUND: f"{leg} found no ground down to {off_mm:.0f} mm and stays in the air",
-        crawl.EVENT_SINKS: f"{leg} is put down from {off_mm:.0f} mm up: the body sank over it, another foot does not carry",
+        crawl.EVENT_SINKS: f"{leg} is put down from {off_mm:.0f} mm up: the body sank over it, another foot is free",
         crawl.EVENT_DIAGONALS: f"{leg} lifts although the diagonals do not carry the load that they should",
     }[event.code]
 

@@ -30,6 +30,11 @@ CAPTURE_MOST = 0.3  # of the height: the furthest such step; no further than leg
 PUSHED_FROUDE = 0.12  # of sqrt(g h), faster than told: pushed; 0.08 on level ground, 0.19 under the heaviest load
 HURRY = 1.75  # times the usual pace while pushed: of pushes of Caramelo more fall with 1.5, and no less with 2
 LEVEL_SHARE = 1.0  # of sqrt(g/h): how fast the legs correct a tilt
+CAREFUL_FROUDE = 0.07  # of sqrt(g h): up to this speed a robot walks with care on uneven ground; what follows was found
+# in the plane on stones of 12 mm: with it Caramelo pitched by at most 5 deg in 39 of 40 walks, without it in 3 of 20
+CAREFUL_LEVEL, CAREFUL_LEAD_S = 2.0, 0.02  # times the usual correction of a tilt, and how far ahead that is foreseen
+CAREFUL_LIFT = 0.12  # of the leg: top of a swing; lower ones strike stones
+CAREFUL_PACE = 0.4  # of the usual pace while all feet stand, so that the body is level when a diagonal lifts off
 LEAD_MOST_S = 0.03  # a tilt is foreseen no further ahead: with 42 ms Mini Cheetah took its own wobble for a fall
 HEADING_HZ = 2.0  # rad/s of turn per rad of heading error
 SLOPE_CYCLES = 1.0  # over which the ground's slope is averaged
@@ -256,6 +261,16 @@ def rolling(robot: Robot) -> float:
     return 1 / (1 + robot.geometry.foot_radius_m / robot.stance.rest_height_m)
 
 
+def fill_careful(params: Params, f: TrotFigures, level: float) -> None:
+    """Write how the robot walks with care; ``level``: the usual gain as the core has it. Part of fill_trot."""
+    rate, setup, unit = params.rate_hz, params.trot, 1 << params.length_shift
+    setup.careful_speed = round(CAREFUL_FROUDE * sqrt(GRAVITY_M_S2 * f.height_m) / rate * (unit << LF_BITS))
+    setup.careful_kp_q12 = min((1 << 17) - 1, round(CAREFUL_LEVEL * level))
+    setup.careful_lead_q12 = round(CAREFUL_LEAD_S * rate * 65536 / 2 / pi / 2**18 * 4096)
+    setup.careful_lift = min(setup.high_lift, max(setup.low_lift, round(CAREFUL_LIFT * f.leg_m * unit)))
+    setup.careful_step_q20 = round(2**20 * CAREFUL_PACE / f.cycle_s / rate)
+
+
 def fill_trot(params: Params, robot: Robot) -> None:
     """Write the figures as the core's integers at the rate of ``params`` (shared/body/trot_setup.py)."""
     f, rate, setup = trot_figures(robot), params.rate_hz, params.trot
@@ -286,7 +301,9 @@ def fill_trot(params: Params, robot: Robot) -> None:
     setup.high_slowest = round(HIGH_SLOWEST_M_S / rate * fine)
     setup.neutral_q8, setup.capture_q8 = round(f.neutral_s * rate * 256), round(f.capture_s * rate * 256)
     setup.capture_max = round(f.capture_most_m * unit)
-    setup.level_kp_q12 = round(f.own["level_share"] / f.tipping_s / rate * 2 * pi / 65536 * 2**18 * 4096)
+    level = f.own["level_share"] / f.tipping_s / rate * 2 * pi / 65536 * 2**18 * 4096
+    setup.level_kp_q12 = round(level)
+    fill_careful(params, f, level)
     setup.height_kp_q16 = round(65536 / 2 / f.cycle_s / rate)
     setup.speed_filter_q10 = round(1024 / (1 + f.stance_s / 4 * rate))
     setup.speed_ki_q15 = round(f.own["drift_share"] / f.cycle_s / rate * 32768)

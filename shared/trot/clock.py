@@ -71,6 +71,8 @@ def advance_phase(params: Params, trot: Trot, still: int) -> None:
     step = params.trot.phase_step_q20
     if state.pushed and state.swinging:
         step = hurried_step(params, trot)
+    elif state.careful > 0 and state.swinging == 0:
+        step = params.trot.careful_step_q20
     state.phase_q20 = state.phase_q20 + step & CYCLE_Q20 - 1
     if still == 0:
         state.still_q20 = 0

@@ -13,6 +13,8 @@ _MOST_Q20 = const(314573)  # steepest slope: 0.3, 17 deg
 _STEEP_Q20 = const(104858)  # 0.1: half the slope of stairs with steps of 0.17 of the leg
 _STEP_Q14 = const(8191)
 _UNEVEN_Q10 = const(98)  # 0.006 of the leg, in lu Q4; 0.002 on a slope of 10 deg, 0.009 to 0.04 on stairs (measured)
+_ROUGH_Q10 = const(41)  # 0.0025 of the leg, in lu Q4; at most 0.0013 on level ground, 0.003 on stones (seven robots)
+_TILTED_Q14 = const(1000)  # 3.5 deg; at most 3 in slow walks on stones of 12 mm
 _FAR = const(32767)
 
 
@@ -103,6 +105,43 @@ def climbs(params: Params, trot: Trot) -> int:
     if slope_ahead_q20(trot) > _STEEP_Q20 and trot.state.uneven_q4 > params.leg_length * _UNEVEN_Q10 >> 10:
         return 1
     return 0
+
+
+@hot
+def off_level(tilt_q14: int) -> int:
+    """Return 1 if a tilt is larger than that of a slow walk on stones, else 0."""
+    if tilt_q14 > _TILTED_Q14 or tilt_q14 < -_TILTED_Q14:
+        return 1
+    return 0
+
+
+@hot
+def choose_care(params: Params, trot: Trot) -> None:
+    """Note whether the robot walks with care: slowly, with low swings, where the feet lately stood off their plane.
+
+    Then its body is levelled faster (steer.py), swings are higher (react.py), and all feet stand longer (clock.py). Not
+    where it is steep, as astride an edge; not in the first 2 s, when feet stand off the plane of a slope that is not
+    known; and not for 2 s after a larger tilt: with a bus later than its file says, a robot would rock itself up.
+    """
+    state = trot.state
+    most = params.trot.careful_speed
+    if state.known == 0 or off_level(state.tilt_q14.roll) or off_level(state.tilt_q14.pitch):
+        state.careful = -2 * params.rate_hz
+    if state.careful < -1:
+        state.careful += 1
+        return
+    state.careful = 0
+    if state.high_left or state.uneven_q4 <= params.leg_length * _ROUGH_Q10 >> 10:
+        return
+    going = 0
+    for axis in range(2):
+        slope = state.slope_q20[axis]
+        speed = state.foot_speed[axis]
+        if slope > _STEEP_Q20 or slope < -_STEEP_Q20 or speed > most or speed < -most:
+            return
+        going |= speed
+    if going:
+        state.careful = 1
 
 
 @hot

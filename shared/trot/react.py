@@ -76,8 +76,8 @@ def detect_held_up(params: Params, trot: Trot, leg: int) -> None:
 
     Both feet of a diagonal lag alike behind drives and bus, whether that lag is known or not. The difference that a
     load or an unknown delay leaves recurs in every swing, and counts as usual. A foot in a high swing lags more, and in
-    the highest it may just be late: swings do not stay high for that one. In the plane nothing turns: feet that are told
-    to are not held up.
+    the highest it may just be late: swings do not stay high for that one. In the plane nothing turns: feet that are
+    told to are not held up.
     """
     state = trot.state
     setup = params.trot
@@ -319,6 +319,8 @@ def choose_lift(params: Params, trot: Trot) -> None:
     """Write the apex of the next swings: as commanded, the robot's own, or high after something was met."""
     state = trot.state
     state.lift = params.trot.low_lift
+    if state.careful > 0:
+        state.lift = params.trot.careful_lift
     if trot.command.height > 0:
         state.lift = saturate(trot.command.height, 0, params.trot.highest_lift)
     if state.high_left:

@@ -35,6 +35,7 @@ class TrotState:
     tilt_q14: Tilt = part(Tilt, "as measured, rad Q14")
     slope_q20: Spot = part(Spot, "slope of the ground along x and y, averaged, Q20")
     uneven_q4: int = field("lu Q4", "how far the feet stood off the ground's plane, averaged over four times as long")
+    careful: int = field("", "1: slow on uneven ground, it walks with care; below 0: ticks until it may")
     swing_q15: int = field("Q15", "elapsed share of the swing of the diagonal in the air")
     lift: int = field("lu", "apex of the next swings")
     high_left: int = field("lf", "way left to go with high swings")
@@ -109,6 +110,7 @@ def trot_reset(params: Params, trot: Trot) -> None:
     state.lift = setup.low_lift
     state.high_left = 0
     state.uneven_q4 = 0
+    state.careful = -2 * params.rate_hz
     state.swinging = 0
     state.standing = LEGS
     state.still_q20 = 0

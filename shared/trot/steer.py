@@ -164,8 +164,13 @@ def level_body(params: Params, trot: Trot, tilt: Ints, turned: Turn, pose: Pose)
     state.roll_q14 = predict_tilt(params, roll, turned.x)
     state.pitch_q14 = predict_tilt(params, pitch, turned.y)
     if trot.command.balance and state.known:
-        state.roll_18 = turn_level(params, roll - pose.roll)
-        state.pitch_18 = turn_level(params, pitch - pose.pitch)
+        kp_q12 = params.trot.level_kp_q12
+        if state.careful > 0:
+            kp_q12 = params.trot.careful_kp_q12
+            roll += saturate(turned.x, -_TURN_MAX, _TURN_MAX) * params.trot.careful_lead_q12 >> 12
+            pitch += saturate(turned.y, -_TURN_MAX, _TURN_MAX) * params.trot.careful_lead_q12 >> 12
+        state.roll_18 = turn_level(kp_q12, roll - pose.roll)
+        state.pitch_18 = turn_level(kp_q12, pitch - pose.pitch)
     else:
         state.roll_18 = turn_along(pose.roll - posed.roll)
         state.pitch_18 = turn_along(pose.pitch - posed.pitch)
@@ -192,10 +197,13 @@ def predict_tilt(params: Params, tilt: int, turned: int) -> int:
 
 
 @hot
-def turn_level(params: Params, wrong: int) -> int:
-    """Return this tick's turn about x or y, 2^-18 rad, to level a body that is tilted ``wrong`` brad too far."""
+def turn_level(kp_q12: int, wrong: int) -> int:
+    """Return this tick's turn about x or y, 2^-18 rad, to level a body that is tilted ``wrong`` brad too far.
+
+    kp_q12: 2^-18 rad / brad Q12, below 2^17. Intermediates: 2^13 * 2^17.
+    """
     wrong = saturate(wrong, -_TILT_MAX, _TILT_MAX)
-    return saturate(-(wrong * params.trot.level_kp_q12 >> 12), -_TURN_MAX, _TURN_MAX)
+    return saturate(-(wrong * kp_q12 >> 12), -_TURN_MAX, _TURN_MAX)
 
 
 @hot

@@ -15,7 +15,7 @@ from .clock import advance_legs
 from .estimate import estimate
 from .feedforward import feed_forward, share_load, solve
 from .feet import stand_feet, swing_feet
-from .ground import update_slope
+from .ground import choose_care, update_slope
 from .react import choose_lift
 from .state import Trot, trot_reset
 from .steer import level_body, rise, steer
@@ -50,6 +50,7 @@ def trot_tick(params: Params, trot: Trot, sensed: Sensed, speed: Twist, pose: Po
     level_body(params, trot, sensed.tilt, sensed.turned, pose)
     if trot.state.known:
         update_slope(params, trot)
+    choose_care(params, trot)
     choose_lift(params, trot)
     advance_legs(params, trot, still)
     rise(params, trot, pose)

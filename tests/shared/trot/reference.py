@@ -87,6 +87,7 @@ class FloatTrot:
         self.past = deque(maxlen=16)  # (feet, stands) of the ticks before
         self.joints, self.slope, self.uneven = None, [0.0, 0.0], 0.0
         self.last_pose, self.moving = [0.0] * 6, False
+        self.careful, self.no_care_s = False, 2.0
 
     # --- one leg
 
@@ -216,8 +217,10 @@ class FloatTrot:
         """Write the tilt to come, the turns that level the body or follow its pose; follow that along the ground."""
         ahead_s = min(self.robot.bus.delay_s + self.dt / 2, tuning.LEAD_MOST_S)
         self.then = [tilt[i] + limit(rates[i], TURN_MAX / self.dt) * ahead_s for i in range(2)]
-        gain = tuning.LEVEL_SHARE / self.f.tipping_s
-        turns = [-gain * (tilt[i] - pose[i + 3]) for i in range(2)]
+        gain, ahead_s = tuning.LEVEL_SHARE / self.f.tipping_s, 0.0
+        if self.careful:
+            gain, ahead_s = gain * tuning.CAREFUL_LEVEL, tuning.CAREFUL_LEAD_S
+        turns = [-gain * (tilt[i] + limit(rates[i], TURN_MAX / self.dt) * ahead_s - pose[i + 3]) for i in range(2)]
         if not (balance and self.known):
             turns = [(pose[i + 3] - self.last_pose[i + 3]) / self.dt for i in range(2)]
         self.level = [limit(turn, TURN_MAX / self.dt) for turn in turns]
@@ -227,11 +230,20 @@ class FloatTrot:
         self.last_pose = list(pose)
 
     def choose_lift(self):
-        self.lift = self.low
+        self.lift = tuning.CAREFUL_LIFT * self.leg_m if self.careful else self.low
         if self.high_left:
             self.lift = self.high
             gone = max(0.05, abs(self.measured_speed[0]) + abs(self.measured_speed[1])) * self.dt
             self.high_left = max(0.0, self.high_left - (0.0 if self.climbs() else gone))
+
+    def choose_care(self):
+        if not self.known or max(map(abs, self.tilt)) > 1000 / 16384:
+            self.no_care_s = 2.0
+        self.no_care_s = max(0.0, self.no_care_s - self.dt)
+        fastest, steepest = max(map(abs, self.foot_speed)), max(map(abs, self.slope))
+        slow = 0 < fastest <= tuning.CAREFUL_FROUDE * math.sqrt(G * self.h) and steepest <= 0.1
+        rough = self.uneven > 41 / 16384 * self.leg_m and not self.high_left
+        self.careful = slow and rough and self.no_care_s < self.dt / 2
 
     def climbs(self):
         steep = self.slope[0] * (-1 if self.foot_speed[0] < 0 else 1) > 0.1
@@ -244,7 +256,8 @@ class FloatTrot:
             self.phase, self.stance, self.early_contact = tuning.STANCE_SHARE / 2 - 0.25, [1] * 4, [0] * 4
             return
         hurries = self.pushed and not all(self.stance)
-        self.phase = (self.phase + (tuning.HURRY if hurries else 1.0) * self.dt / self.f.cycle_s) % 1.0
+        pace = tuning.CAREFUL_PACE if all(self.stance) and self.careful else 1.0
+        self.phase = (self.phase + (tuning.HURRY if hurries else pace) * self.dt / self.f.cycle_s) % 1.0
         if hurries and self.skips:
             self.phase += max(0.0, 1 - 2 * self.u) * (1 - tuning.STANCE_SHARE)
         for leg in range(4):
@@ -403,6 +416,7 @@ class FloatTrot:
         self.level_body(senses.tilt, senses.rates, pose, balance)
         if self.known:
             self.update_slope()
+        self.choose_care()
         self.choose_lift()
         self.moving = moving
         self.advance_legs(moving)

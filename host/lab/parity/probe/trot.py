@@ -87,7 +87,7 @@ def _moving(values, dice):
     leg = values[2]
     TROT.stance[leg] = 0
     TROT.early_contact[leg] = 0
-    TROT.state.known = 100
+    TROT.state.known = 1000
     TROT.state.swing_q15 = SHARE.any(dice)
     TROT.rises_first[leg] = dice.bits(1)
     for foot in range(4):
@@ -126,6 +126,15 @@ def _lunging(values, dice):
     TROT.state.high_left = dice.bits(1)
 
 
+def _slow(values, dice):
+    """At speeds about those at which it walks with care, mostly after low swings."""
+    _live(values, dice)
+    for axis in range(2):
+        TROT.state.foot_speed[axis] = dice.bits(16) - (1 << 15)
+    if dice.bits(2):
+        TROT.state.high_left = 0
+
+
 _probe = probe_with(watch=STATE, fit=_live, begin=_begin)
 
 PROBES = (
@@ -142,7 +151,7 @@ PROBES = (
     _probe(steer, "wait_for_feet", (ROBOT, TROT, POSE)),
     _probe(steer, "level_body", (ROBOT, TROT, TILT, TURNED, POSE)),
     Probe(steer, "predict_tilt", (ROBOT, Range(-8191, 8191), INT30)),
-    Probe(steer, "turn_level", (ROBOT, BRAD)),
+    Probe(steer, "turn_level", (Range(0, (1 << 17) - 1), INT30)),
     Probe(steer, "turn_along", (BRAD,)),
     _probe(steer, "rise", (ROBOT, TROT, POSE)),
     _probe(clock, "advance_legs", (ROBOT, TROT, FLAG)),
@@ -170,6 +179,7 @@ PROBES = (
     _probe(ground, "update_uneven", (ROBOT, TROT, SHARE), watch=(TROT.state,)),
     _probe(ground, "slope_ahead_q20", (TROT,), watch=(), fit=_done),
     _probe(ground, "climbs", (ROBOT, TROT), watch=()),
+    _probe(ground, "choose_care", (ROBOT, TROT), watch=(TROT.state,), fit=_slow),
     _probe(react, "choose_lift", (ROBOT, TROT)),
     _probe(react, "count_high", (ROBOT, TROT)),
     _probe(feet, "stand_feet", (ROBOT, TROT)),
