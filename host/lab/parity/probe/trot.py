@@ -180,6 +180,7 @@ PROBES = (
     _probe(ground, "slope_ahead_q20", (TROT,), watch=(), fit=_done),
     _probe(ground, "climbs", (ROBOT, TROT), watch=()),
     _probe(ground, "choose_care", (ROBOT, TROT), watch=(TROT.state,), fit=_slow),
+    Probe(ground, "off_level", (Range(-2000, 2000),)),
     _probe(react, "choose_lift", (ROBOT, TROT)),
     _probe(react, "count_high", (ROBOT, TROT)),
     _probe(feet, "stand_feet", (ROBOT, TROT)),
