@@ -56,7 +56,7 @@ def _sense(dice):
 
 
 def _live(values, dice):
-    """Two ticks of anything on the drawn robot."""
+    """Two ticks of anything on the drawn robot; after them it mostly may walk with care, and often does."""
     params = values[0]
     if dice.below(40) == 0:
         state.trot_reset(params, TROT)
@@ -71,6 +71,7 @@ def _live(values, dice):
             ODOMETRY.speed[axis] = dice.bits(23) - (1 << 22) if dice.below(8) == 0 else dice.bits(17) - (1 << 16)
         sense_legs(params, SENSED.joints, SENSED.tilt[0], SENSED.tilt[1], FEET, SENSING)
         trot.trot_tick(params, TROT, SENSED, SPEED.array, POSE.array, GOAL)
+    TROT.state.careful = dice.bits(2) - 2
 
 
 def _any_command(dice):
@@ -87,7 +88,7 @@ def _moving(values, dice):
     leg = values[2]
     TROT.stance[leg] = 0
     TROT.early_contact[leg] = 0
-    TROT.state.known = 1000
+    TROT.state.known = 100
     TROT.state.swing_q15 = SHARE.any(dice)
     TROT.rises_first[leg] = dice.bits(1)
     for foot in range(4):
@@ -127,12 +128,16 @@ def _lunging(values, dice):
 
 
 def _slow(values, dice):
-    """At speeds about those at which it walks with care, mostly after low swings."""
+    """About where it walks with care: at such speeds, tilts, slopes and grounds, mostly after low swings."""
     _live(values, dice)
+    now = TROT.state
     for axis in range(2):
-        TROT.state.foot_speed[axis] = dice.bits(16) - (1 << 15)
+        now.foot_speed[axis] = dice.bits(16) - (1 << 15)
+        now.tilt_q14[axis] = dice.bits(11) - (1 << 10)
+        now.slope_q20[axis] = dice.bits(18) - (1 << 17)
+    now.uneven_q4 = dice.bits(13)
     if dice.bits(2):
-        TROT.state.high_left = 0
+        now.high_left = 0
 
 
 _probe = probe_with(watch=STATE, fit=_live, begin=_begin)
