@@ -16,11 +16,10 @@ from ...util.errors import UserError
 from ..build.image_file import ImageFile
 from .answers import Report, Survey
 from .board import Board, NoFirmware
-from .link import BoardError, BoardLink, stopped
+from .link import PROMPT, BoardError, BoardLink, stopped
 
 SETTLE_S = 6.0  # to wait for the board's message that it started; messages before USB is open are lost (chosen)
 GRACE_S = 1.0  # within this time an application that can't run fails (chosen)
-PROMPT = b"\n>>> "  # MicroPython's: nothing of the firmware runs any more
 DECIDED = (PROMPT,)  # what a board says when it is clear already how its start went
 ANSWER_TRIES = TRIAL_STARTS + 3
 MOTOR_OFF_MV = 5500  # USB alone may lift a board's supply to 5 V (assumed); motors run from 12 V up

@@ -16,6 +16,7 @@ READ_TIMEOUT_S = 2.0
 PROMPT_TIMEOUT_S = 2.0
 STEP_TIMEOUT_S = 20.0  # erasing the flash of a STM32F405 takes up to 2 s a sector (datasheet, table 40)
 BACK_TIMEOUT_S = 15.0  # from a reset until USB is there again
+PROMPT = b"\n>>> "  # MicroPython's: nothing of the firmware runs any more
 CTRL_C = b"\x03"
 INTERRUPTS = 12  # firmware/start_gait.py wants ten in a row
 
@@ -76,6 +77,7 @@ class BoardLink:
                 self._link.enter_raw_repl(soft_reset=False, timeout_overall=PROMPT_TIMEOUT_S)
             except TransportError:
                 self._link.serial.write(CTRL_C * INTERRUPTS)
+                self._link.read_until(1, PROMPT, timeout_overall=PROMPT_TIMEOUT_S)  # what comes before may be lost
                 self._link.enter_raw_repl(soft_reset=False, timeout_overall=PROMPT_TIMEOUT_S)
 
     def run(self, script: str, timeout_s: float = STEP_TIMEOUT_S) -> str:

@@ -18,5 +18,5 @@ def pretend_boards(request, monkeypatch):
     skip_without(Unix("bytecode"))
     pytest.importorskip("mpremote")
     monkeypatch.setattr(flashing, "DECIDED", (*flashing.DECIDED, IN_ITS_LOOP))
-    monkeypatch.setattr(link, "PROMPT_TIMEOUT_S", PATIENCE_S / 6)  # Ctrl-C may be lost: then it comes again
-    monkeypatch.setattr(link, "READ_TIMEOUT_S", PATIENCE_S / 6)
+    monkeypatch.setattr(link, "PROMPT_TIMEOUT_S", PATIENCE_S / 20)  # a gait board lets it pass each time
+    monkeypatch.setattr(link, "READ_TIMEOUT_S", PATIENCE_S / 20)

@@ -1,12 +1,14 @@
 """What the unix VM runs to be a board: a simulated flash in a file, a machine module, a slot's modules, the prompt.
 
 Runs on MicroPython. The loader has chosen the slot before: pretend.py. Power is cut by SIGKILL in the
-middle of a word written or a sector erased, a reset is SIGTERM.
+middle of a word written or a sector erased, a reset is SIGTERM. Standard input and output are its USB.
 """
 
 import json
 import os
+import select
 import sys
+import time
 
 with open("board.json") as _file:
     SETTINGS = json.load(_file)
@@ -24,6 +26,59 @@ def die(signal):
         pass
 
 
+class Usb:
+    """USB as MicroPython serves it: a byte that interrupts, Ctrl-C at first, and all others."""
+
+    interrupt = 3
+    came = select.poll()
+
+    @staticmethod
+    def setinterrupt(byte):
+        Usb.interrupt = byte
+
+    @staticmethod
+    def readinto(data):
+        """Read what has come; None if nothing has, as the port does."""
+        count = 0
+        while count < len(data) and Usb.came.poll(0):
+            data[count] = Usb._read()
+            count += 1
+        return count or None
+
+    @staticmethod
+    def write(buffer):
+        return len(buffer)
+
+    @staticmethod
+    def look(wait_ms=0):
+        """Wait so long, or for the byte that interrupts; what comes before that is lost, as nobody reads it."""
+        if Usb.interrupt < 0:
+            time.sleep_ms(wait_ms)
+            return
+        end = time.ticks_add(time.ticks_ms(), wait_ms)
+        while Usb.came.poll(max(0, time.ticks_diff(end, time.ticks_ms()))):
+            Usb._read()
+
+    @staticmethod
+    def _read():
+        byte = sys.stdin.buffer.read(1)[0]
+        if byte == Usb.interrupt:
+            raise KeyboardInterrupt
+        return byte
+
+
+Usb.came.register(sys.stdin, select.POLLIN)
+
+
+class Time:
+    """The time module; the board can be interrupted as it sleeps."""
+
+
+for _name in dir(time):
+    setattr(Time, _name, getattr(time, _name))
+Time.sleep_ms = Usb.look
+
+
 class File:
     """A store of bytes that survives the power."""
 
@@ -37,6 +92,7 @@ class File:
 
     def write(self, at, data):
         """Take bytes as they are, also if the process is killed a moment later."""
+        Usb.look()
         self.file.seek(at)
         self.file.write(data)
         self.file.flush()
@@ -85,23 +141,12 @@ class SilentBus:
         raise OSError(19)
 
 
-class Usb:
-    """USB with nobody at the other end."""
-
-    def setinterrupt(self, byte):
-        self.byte = byte
-
-    def readinto(self, data):
-        return None  # as the port says that nothing has come
-
-    def write(self, buffer):
-        return len(buffer)
-
-
 class Board:
     """Stands in for the pyb module."""
 
-    USB_VCP = Usb
+    @staticmethod
+    def USB_VCP():
+        return Usb
 
 
 class Vectors:
@@ -130,7 +175,7 @@ flash = ChipFlash()
 sys.modules["firmware.chip_flash"] = FlashModule
 sys.modules["machine"] = Machine
 sys.modules["pyb"] = Board
-os.system("stty isig")
+sys.modules["time"] = Time
 print("pretend board")
 try:
     __import__("main")  # runs the application

@@ -1,17 +1,15 @@
 """A board that is none: the unix VM with a simulated flash behind a pseudo-terminal; it resets, and power can be cut.
 
 At every start the loader's own decision (loader.py) chooses the slot, whose modules the VM then runs: an
-image here is a text of them. Its terminal turns Ctrl-C into an interrupt while the board runs something, as USB does
-(harness.py: isig).
+image here is a text of them. It can be interrupted where it waits, listens or uses its flash (harness.py).
 """
 
 import errno
-import fcntl
 import json
 import os
+import select
 import shutil
 import signal
-import termios
 import time
 from pathlib import Path
 
@@ -98,9 +96,9 @@ class PretendBoard(UnixVmBoard):
         self._load()
         settings = {"slot": self.slot, "cut": cut, "tests": str(HARNESS.parent)}
         (self.folder / "board.json").write_text(json.dumps(settings))
-        termios.tcsetattr(self._inner, termios.TCSANOW, self._mode)  # the last one may have left it otherwise
-        arguments = ["-X", "heapsize=4M", "-i", str(HARNESS)]
-        self._start_vm(arguments, self.folder, lambda: fcntl.ioctl(self._inner, termios.TIOCSCTTY, 0))
+        while select.select([self._heard], [], [], 0)[0]:
+            os.read(self._heard, 4096)  # the last one did not hear it
+        self._start_vm(["-X", "heapsize=4M", "-i", str(HARNESS)], self.folder)
         self.resets += again
 
     def _load(self):

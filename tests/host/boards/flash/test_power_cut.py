@@ -9,7 +9,7 @@ import pytest
 
 from host.boards.flash.flash import Wish, flash
 from host.util.errors import UserError
-from tests.waiting import stays
+from tests.waiting import wait_until
 
 from .pretend import PretendBoard
 from .trees import make
@@ -38,28 +38,15 @@ def starts_after_cut(flashed, folder, life, cut):
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(flashed[0] / "board", folder)
     with PretendBoard(folder, cut=cut, cut_life=life) as board:
-        assert board.wait_for(b"running 1")  # its terminal takes no Ctrl-C before
-        flash_until_cut(board, make("2"))
+        assert board.wait_for(b"running 1")
+        with pytest.raises(UserError):
+            flash(board.port, Wish(make("2")))
+        wait_until(lambda: not board.powered, "flashing failed before the cut")
     with PretendBoard(folder) as board:
         version = board.line_after(b"running ")
         flash(board.port, Wish(make("2")))  # and it can be flashed again
         assert board.wait_for(b"running 2")
     return version
-
-
-def flash_until_cut(board, image, tries=3):
-    """Flash, and again where the board did not answer, as the message says, until the power goes.
-
-    Now and then the board's terminal does not take the Ctrl-C in time: that is no power cut, not what is tested here.
-    """
-    said = []
-    for _ in range(tries):
-        with pytest.raises(UserError) as error:
-            flash(board.port, Wish(image))
-        if not stays(lambda: board.powered, 10.0):  # the other end may see the board fall silent before
-            return
-        said.append(str(error.value))
-    raise AssertionError(f"flashing failed before the cut: {said}")
 
 
 def points(lives, count):

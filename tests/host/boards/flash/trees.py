@@ -52,10 +52,11 @@ def make(version="1", role="gait", board="CARAMELO_GAIT", protocol=None, text=No
 
 
 @cache
-def frame():
+def frame(*more):
     """Return, read once, the modules that start a board, quick to start, without those that tests replace."""
     known = read_modules(ROOT)
-    names = [name for name in closure(known, list(RUNTIME)) if name not in ("firmware.selftest", "firmware.chip_flash")]
+    names = closure(known, [*RUNTIME, *more])
+    names = [name for name in names if name not in ("firmware.selftest", "firmware.chip_flash")]
     files = {known[name].path: known[name].text.decode() for name in names if not name.startswith("shared.num.fixed")}
     files["main.py"] = files.pop("firmware/main.py")
     startup = files["firmware/startup.py"]

@@ -5,26 +5,27 @@ import pty
 import select
 import subprocess
 import sys
-import termios
 import threading
 import tty
-from collections.abc import Callable
 from pathlib import Path
 
 from tests.waiting import PATIENCE_S
 
 
 class UnixVmBoard:
-    """The unix VM at one pseudo-terminal, whose bytes are carried to another and back: ``port`` is its serial port."""
+    """The unix VM at two pipes, whose bytes are carried to a pseudo-terminal and back: ``port`` is its serial port.
+
+    A terminal at the VM itself would throw away what has come when the prompt begins, and turn Ctrl-C into a signal,
+    by which this VM leaves whatever it does, with locks taken: it may hang for ever then.
+    """
 
     def __init__(self) -> None:
-        self._board, self._inner = pty.openpty()
+        self._heard, self._to_board = os.pipe()
+        self._board, self._says = os.pipe()
         self._outside, self._outer = pty.openpty()
-        tty.setraw(self._inner)
         tty.setraw(self._outer)
-        self._mode = termios.tcgetattr(self._inner)
         self.port = os.ttyname(self._outer)
-        self._ends = [self._board, self._inner, self._outside, self._outer]
+        self._ends = [self._heard, self._to_board, self._board, self._says, self._outside, self._outer]
         self._closing = False
         self._process: subprocess.Popen | None = None
         self._relay = threading.Thread(target=self._carry, daemon=True)
@@ -38,18 +39,17 @@ class UnixVmBoard:
         for end in self._ends:
             os.close(end)
 
-    def _start_vm(self, arguments: list[str], folder: Path, before: Callable[[], object] | None = None) -> None:
-        """Start it; ``before`` is called in its process first."""
+    def _start_vm(self, arguments: list[str], folder: Path) -> None:
         command = [sys.executable, "-m", "micropython_unix", *arguments]
-        ends = dict.fromkeys(("stdin", "stdout", "stderr"), self._inner)
-        self._process = subprocess.Popen(command, cwd=folder, start_new_session=True, preexec_fn=before, **ends)
+        ends = {"stdin": self._heard, "stdout": self._says, "stderr": self._says}
+        self._process = subprocess.Popen(command, cwd=folder, start_new_session=True, **ends)
 
     def _carry(self) -> None:
         """Carry bytes both ways until the board is put away, or ends by itself."""
         while not self._closing and self._goes_on():
             ends = [self._board, self._outside] if self._listens() else [self._board]
             for end in select.select(ends, [], [], 0.02)[0]:
-                os.write(self._outside if end == self._board else self._board, self._read(end))
+                os.write(self._outside if end == self._board else self._to_board, self._read(end))
 
     def _goes_on(self) -> bool:
         return True
