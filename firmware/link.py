@@ -21,15 +21,13 @@ PAYLOAD = const(4)  # where the payload of a frame to be sent begins
 # To the board
 COMMAND = const(1)  # COMMAND_SIZE int32: shared/planner/command.py
 SENSED = const(2)  # 12 int16 joint angles in brad, as measured
-COUNTS = const(3)  # 6 int16 gyro and accelerometer counts: for a board without its own sensor
-TICK = const(4)  # plan one tick now: for a board that is paced from outside
 STOP = const(5)  # emergency stop: drive nothing until RESET
 RESET = const(6)
 READ = const(7)  # uint8 number: read the inertial sensor now and answer with READING
 # From the board
 SETPOINTS = const(0x81)  # uint32 tick, uint32 flags, uint8 state, uint8 gait, 12 int16 joint angles in brad
 READY = const(0x82)  # uint16 planner rate, uint8 number of gaits: sent once at the start
-READING = const(0x83)  # uint8 number of the question, uint8 sensor fault, 6 int16 counts as in COUNTS
+READING = const(0x83)  # uint8 number of the question, uint8 sensor fault, 6 int16 gyro and accelerometer counts
 
 READER_BYTES = const(LARGEST + 4)  # kind, length, payload and CRC of the frame being read
 TAKEN = const(2)  # where the payload of a frame read begins

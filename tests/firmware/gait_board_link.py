@@ -8,6 +8,8 @@ from shared.body.params import JOINTS
 from shared.planner.status import STATE_NAMES
 from shared.record import pack
 
+from .piped_gait import COUNTS, TICK
+
 Setpoints = namedtuple("Setpoints", "tick flags state joints_brad")  # what a board planned in one tick
 
 
@@ -30,11 +32,11 @@ class GaitBoardLink:
         self.send(link.SENSED, joints_brad[:JOINTS], 2)
 
     def send_counts(self, counts):
-        self.send(link.COUNTS, counts, 2)
+        self.send(COUNTS, counts, 2)
 
     def tick(self):
         """Pace the board by one tick and return what it planned."""
-        self.send(link.TICK)
+        self.send(TICK)
         payload = self._wait_for(link.SETPOINTS)
         tick, flags = (int.from_bytes(payload[at : at + 4], "little") for at in (0, 4))
         joints = tuple(link.read_int16(payload, 10 + 2 * joint) for joint in range(JOINTS))

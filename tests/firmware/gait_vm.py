@@ -3,6 +3,7 @@
 import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 from host import ROOT
 from host.boards.build.source import PACKAGES, closure, read_modules
@@ -26,14 +27,16 @@ def compile_gait(work):
     unix = Unix("viper")
     skip_without(unix)
     sources = work / "sources"
-    copy_modules(sources, "firmware.gait_main")
-    return unix.prepare(sources, work)
+    copy_modules(sources, "firmware.gait", "firmware.mpu6050")
+    tree = unix.prepare(sources, work)
+    shutil.copy(Path(__file__).with_name("piped_gait.py"), tree)
+    return tree
 
 
 def start_gait_vm(tree, robot, bufsize=-1):
     """Start what ``compile_gait`` made for a robot; ``bufsize`` is Popen's, of both pipes."""
     script = (
-        "import sys\nsys.path.insert(0, '.')\nfrom array import array\nfrom firmware.gait_main import run_piped\n"
+        "import sys\nsys.path.insert(0, '.')\nfrom array import array\nfrom piped_gait import run_piped\n"
         f"run_piped(array('i', {pack(core_params(robot))}), array('i', {pack(attitude_block(robot))}))\n"
     )
     return subprocess.Popen(

@@ -8,7 +8,6 @@ import pytest
 from firmware import gait as application
 from firmware import link
 from firmware.gait import GaitBoard
-from firmware.gait_main import FrameSensor
 from firmware.mpu6050 import MISSING, STUCK
 from host.protocol.gait_frames import frame
 from host.robot.file import load_robot
@@ -25,6 +24,7 @@ from tests.waiting import PATIENCE_S
 
 from .gait_board_link import GaitBoardLink
 from .gait_vm import compile_gait, start_gait_vm
+from .piped_gait import COUNTS, TICK, FrameSensor
 
 ROBOT = load_robot("caramelo")
 LEVEL = [0, 0, 0, 0, 0, 16384]
@@ -52,9 +52,9 @@ class Loop:
 
     def write(self, data):
         while kind := self.board.take(data, len(data)):
-            if kind == link.COUNTS:
+            if kind == COUNTS:
                 self.sensor.put(self.board.frame)
-            elif kind == link.TICK:
+            elif kind == TICK:
                 self.board.tick()
                 self.out += self.board.setpoints
 

@@ -8,7 +8,6 @@ import time
 import pytest
 
 from firmware import gait_main, link
-from firmware.gait_main import FrameSensor
 from firmware.mpu6050 import STUCK
 from host.imu.attitude import Attitude
 from host.imu.base import ImuError, ImuLate
@@ -19,6 +18,7 @@ from host.robot.file import load_robot
 from host.robot.scale import attitude_block, core_params
 from host.util.child import end_child
 from host.util.errors import UserError
+from tests.firmware import piped_gait
 from tests.firmware.gait_vm import compile_gait, start_gait_vm
 from tests.waiting import PATIENCE_S
 
@@ -45,7 +45,7 @@ class VmStream:
         return data
 
     def write(self, data):
-        counts = frame(link.COUNTS, self.counts, 2) if self.counts else b""
+        counts = frame(piped_gait.COUNTS, self.counts, 2) if self.counts else b""
         return os.write(self.process.stdin.fileno(), counts + data)
 
     def close(self):
@@ -161,7 +161,7 @@ class Clock:
 
 
 def test_a_board_that_plans_by_itself_answers_between_its_ticks():
-    stream, sensor = Board(frame(link.READ, (9,)) + frame(link.READ, (10,))), FrameSensor()
+    stream, sensor = Board(frame(link.READ, (9,)) + frame(link.READ, (10,))), piped_gait.FrameSensor()
     sensor.read = lambda counts: STUCK
     with pytest.raises(EOFError):
         gait_main.run_board(core_params(ROBOT), attitude_block(ROBOT), sensor, stream, Clock())
@@ -170,7 +170,7 @@ def test_a_board_that_plans_by_itself_answers_between_its_ticks():
 
 
 def test_a_flooded_stream_does_not_hold_up_the_ticks():
-    stream, sensor = Board(frame(link.STOP) * 10_000), FrameSensor()
+    stream, sensor = Board(frame(link.STOP) * 10_000), piped_gait.FrameSensor()
     with pytest.raises(EOFError):
         gait_main.run_board(core_params(ROBOT), attitude_block(ROBOT), sensor, stream, Clock())
     kinds = [kind for kind, _ in FrameReader().frames(bytes(stream.out))]
