@@ -58,14 +58,3 @@ class SimulatedBench(Bench):
     def _pass_time(self, seconds: float) -> None:
         self._now_s += seconds
         self.bus.advance(self._now_s)
-
-
-def truthful_answers(robot: Robot, bench: SimulatedBench) -> dict[str, str]:
-    """Return the answers of a careful person at this bench."""
-    answers = {"resume": "yes", "write": "yes"}
-    for joint, mount in enumerate(bench.truth.joints):
-        answers[f"servo {mount.id} joint"] = JOINT_LABELS[joint]
-        # A nudge goes to more counts unless that end of the servo's turn is near, which it never is at rest.
-        answers[f"servo {mount.id} direction"] = "+" if mount.sign > 0 else "-"
-        answers[f"servo {mount.id} limits"] = "file"
-    return answers | {f"check {leg}": "yes" for leg in ("FR", "FL", "RR", "RL")}

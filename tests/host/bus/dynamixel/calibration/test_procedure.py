@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from host.bus.base import JOINT_LABELS
 from host.bus.dynamixel import table as t
 from host.bus.dynamixel.calibration.data import counts_per_rad, load_calibration, nominal, save_calibration
 from host.bus.dynamixel.calibration.person import AtTerminal, FromFile, matching, read_answers, write_answers
@@ -11,8 +12,9 @@ from host.bus.dynamixel.calibration.picture import leg_points, picture
 from host.bus.dynamixel.calibration.procedure import Procedure, difference, reference_rad
 from host.robot.file import load_robot
 from host.robot.kinematics_si import leg_forward
+from host.robot.model import LEG_NAMES
 from host.robot.poses import rest_pose_rad
-from host.sim.servos.stand import SimulatedBench, hidden_mounting, truthful_answers
+from host.sim.servos.stand import SimulatedBench, hidden_mounting
 from host.util.errors import UserError
 
 CARAMELO = load_robot("caramelo")
@@ -23,7 +25,14 @@ def bench_of(seed):
 
 
 def answers_of(bench, **changes):
-    return {**truthful_answers(CARAMELO, bench), **changes}
+    """Return the answers of a careful person at this bench, but for ``changes``."""
+    answers = {"resume": "yes", "write": "yes"} | {f"check {leg}": "yes" for leg in LEG_NAMES}
+    for joint, mount in enumerate(bench.truth.joints):
+        answers[f"servo {mount.id} joint"] = JOINT_LABELS[joint]
+        # A nudge goes to more counts unless that end of the servo's turn is near, which it never is at rest.
+        answers[f"servo {mount.id} direction"] = "+" if mount.sign > 0 else "-"
+        answers[f"servo {mount.id} limits"] = "file"
+    return answers | changes
 
 
 def procedure(bench, answers, tmp_path):
