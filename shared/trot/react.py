@@ -9,7 +9,6 @@ from .state import CYCLE_Q20, Trot
 _MIDDLE = const(16384)  # middle of a swing, Q15: from here on a foot comes down
 _RISEN = const(3277)  # 0.1 of a swing
 _FREE = const(13107)  # 0.4 of a swing: from here on both feet of a diagonal are certainly off the ground
-_ARRIVED = const(26214)  # 0.8 of a swing: until then a foot goes ahead (AHEAD_SHARE in host/robot/trot_tuning.py)
 _FALLS_MAX = const(4095)  # lu / tick
 _QUARTER_Q12 = const(1024)  # of own weight
 # Parts of the leg, Q10, from walks of Caramelo and Parallel on level ground and over steps
@@ -138,11 +137,12 @@ def strikes(params: Params, trot: Trot, leg: int, behind: int) -> int:
     at once with all the lag that a free foot has, long before it is that far behind: ``behind`` its mate, more than
     usual, plus the lag times how fast it falls behind both its path and its mate. Soft legs are held up before they
     push hard. Knees in front of the hips need faster joints than elbows, and may just be late.
-    Intermediates: 2^12 * 2^14.
+    Intermediates: 2^15 * 2^14.
     """
     state = trot.state
     most = params.trot.push_lag
-    if most > params.leg_length * _STIFF_Q10 >> 10 or state.swing_q15 < _FREE or state.swing_q15 > _ARRIVED:
+    ahead = state.swing_q15 * params.trot.ahead_rate_q13 >> 13
+    if most > params.leg_length * _STIFF_Q10 >> 10 or state.swing_q15 < _FREE or ahead > 32767:
         return 0
     mate = 3 - leg
     falls = -trot.residual_rate[leg]

@@ -338,7 +338,7 @@ class FloatTrot:
         return most + (self.late * (most + usual) if self.may_be_late(leg) else 0.0)
 
     def strikes(self, leg, behind):
-        if self.push_lag > 51 / 1024 * self.leg_m or not 0.4 <= self.u <= 0.8:
+        if self.push_lag > 51 / 1024 * self.leg_m or not 0.4 <= self.u <= tuning.AHEAD_SHARE:
             return False
         back = 1 if self.foot_speed[0] < 0 else -1
         falls, mate_falls = (back * self.residual_rate[at] for at in (leg, 3 - leg))
