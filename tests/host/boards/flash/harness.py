@@ -31,6 +31,7 @@ class Usb:
 
     interrupt = 3
     came = select.poll()
+    deaf = select.poll()
 
     @staticmethod
     def setinterrupt(byte):
@@ -51,12 +52,10 @@ class Usb:
 
     @staticmethod
     def look(wait_ms=0):
-        """Wait so long, or for the byte that interrupts; what comes before that is lost, as nobody reads it."""
-        if Usb.interrupt < 0:
-            time.sleep_ms(wait_ms)
-            return
+        """Wait so long, or for the byte that interrupts, if there is one; what comes before it is lost."""
+        line = Usb.came if Usb.interrupt >= 0 else Usb.deaf
         end = time.ticks_add(time.ticks_ms(), wait_ms)
-        while Usb.came.poll(max(0, time.ticks_diff(end, time.ticks_ms()))):
+        while line.poll(max(0, time.ticks_diff(end, time.ticks_ms()))):
             Usb._read()
 
     @staticmethod
