@@ -4,7 +4,6 @@ At every start the loader's own decision (loader.py) chooses the slot, whose mod
 image here is a text of them. It can be interrupted where it waits, listens or uses its flash (harness.py).
 """
 
-import errno
 import json
 import os
 import select
@@ -130,12 +129,7 @@ class PretendBoard(UnixVmBoard):
         return STARTS in self.said  # before it, USB is not open
 
     def _read(self, end):
-        try:
-            data = os.read(end, 4096)
-        except OSError as error:
-            if error.errno != errno.EIO:
-                raise
-            return b""
+        data = super()._read(end)
         if end == self._board:
             self.said += data
         return data
