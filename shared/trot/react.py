@@ -141,8 +141,9 @@ def strikes(params: Params, trot: Trot, leg: int, behind: int) -> int:
     """
     state = trot.state
     most = params.trot.push_lag
-    ahead = state.swing_q15 * params.trot.ahead_rate_q13 >> 13
-    if most > params.leg_length * _STIFF_Q10 >> 10 or state.swing_q15 < _FREE or ahead > 32767:
+    if most > params.leg_length * _STIFF_Q10 >> 10 or state.swing_q15 < _FREE:
+        return 0
+    if state.swing_q15 * params.trot.ahead_rate_q13 >> 13 > 32767:
         return 0
     mate = 3 - leg
     falls = -trot.residual_rate[leg]
