@@ -71,7 +71,8 @@ def crawl_event(driver: Driver) -> str:
         crawl.EVENT_CALF: f"{leg} had its calf on an edge: it lifts and goes further on",
         crawl.EVENT_RISER: f"{leg} hit a riser: it goes back and higher",
         crawl.EVENT_NO_GROUND: f"{leg} found no ground down to {off_mm:.0f} mm and stays in the air",
-        crawl.EVENT_SINKS: f"{leg} is put down from {off_mm:.0f} mm up: the body sank over it, another foot is free",
+        crawl.EVENT_SINKS: f"{leg} comes down {off_mm:+.0f} mm from its last foothold: the body sank over it",
+        crawl.EVENT_RIM: f"{leg} met a rim, {off_mm:+.0f} mm from the expected height: it tries as far again",
         crawl.EVENT_DIAGONALS: f"{leg} lifts although the diagonals do not carry the load that they should",
     }[event.code]
 

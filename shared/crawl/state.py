@@ -26,6 +26,7 @@ EVENT_RISER = const(5)  # the foot ran into a riser
 EVENT_NO_GROUND = const(6)  # no ground at all: the foot is left hanging
 EVENT_DIAGONALS = const(7)  # the loads of the diagonals could not be brought to what was wanted
 EVENT_SINKS = const(8)  # the body sank over the leg in the air: it is put down at once
+EVENT_RIM = const(9)  # ground close beside where there was none: another try as far again
 
 FULL_SHARE_Q12 = const(4096)
 HISTORY_TICKS = const(32)  # ticks
@@ -106,7 +107,7 @@ class Swing:
     way_ticks: int = field("ticks", "of the way across")
     tries: int = field("", "how often it was lifted once more")
     risers: int = field("", "how many risers it ran into")
-    dropped: int = field("", "1: it has met a drop")
+    dropped: int = field("", "sign of the way that the last drop it met sends it: 1 further on, -1 nearer; 0: none")
     leg_length: int = field("lu", "thigh joint to foot, before any limit")
     limited: int = field("", "1: a joint was limited in the tick before")
 
@@ -145,7 +146,7 @@ class Stage:
 class Event:
     """What a leg met last, to be told."""
 
-    code: int = field("", "EVENT_NONE .. EVENT_SINKS")
+    code: int = field("", "EVENT_NONE .. EVENT_RIM")
     leg: int = field("", "which")
     z: int = field("lu", "off the expected height")
     number: int = field("", "how many so far: a change is news")

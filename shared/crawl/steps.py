@@ -22,6 +22,7 @@ from .state import (
     EVENT_DROP,
     EVENT_LANDED,
     EVENT_NO_GROUND,
+    EVENT_RIM,
     EVENT_RISER,
     EVENT_SINKS,
     EVENT_STEP,
@@ -91,11 +92,14 @@ def take_stage(crawl: Crawl, ahead_lf: int) -> None:
 def swing_stage(crawl: Crawl, leg: int) -> None:
     """Take one tick of the stages in which ``leg`` is in the air."""
     stage = crawl.stage
-    keep_past(crawl.contact, crawl.swing.place.x)
-    if crawl.swing.place.z > crawl.map.feet[leg].z and corner_lift(crawl, leg) < -crawl.params.crawl.sink:
+    swing = crawl.swing
+    keep_past(crawl.contact, swing.place.x)
+    if corner_lift(crawl, leg) < -crawl.params.crawl.sink and (
+        swing.tries < _TRIES or swing.place.z > crawl.map.feet[leg].z
+    ):
         put_down(crawl, leg)
     elif stage.stage == LIFT:
-        if lift_foot(crawl.params, crawl.swing):
+        if lift_foot(crawl.params, swing):
             start_swing(crawl)
             enter(crawl, SWING)
     elif stage.stage == SWING:
@@ -236,15 +240,17 @@ def hang_tick(crawl: Crawl, leg: int) -> None:
 
 @hot
 def put_down(crawl: Crawl, leg: int) -> None:
-    """The body sinks over the leg in the air: bring its foot down as far as where it stood, in one jump.
+    """The body sinks over the leg in the air: from above where it stood, bring its foot down there in one jump.
 
-    Another foot does not carry what it should: it slid off an edge, or hangs. Any ground will do, and there is no time
-    for a tare.
+    Another foot does not carry what it should: it slid off an edge, or hangs. Any ground will do, so nothing else is
+    tried, and there is no time for a tare.
     """
     swing = crawl.swing
-    swing.ground = crawl.map.feet[leg].z
-    note_event(crawl, EVENT_SINKS, swing.place.z - swing.ground)
-    swing.place.z = swing.ground
+    start = crawl.map.feet[leg].z
+    note_event(crawl, EVENT_SINKS, swing.place.z - start)
+    if swing.place.z > start:
+        swing.ground = start
+        swing.place.z = start
     swing.tries = _TRIES
     crawl.contact.tare_q12 = 0
     enter(crawl, LOWER)
@@ -307,11 +313,14 @@ def free_calf(crawl: Crawl, leg: int) -> None:
 
 @hot
 def touch(crawl: Crawl, leg: int, z: int) -> None:
-    """There is ground at ``z``, lf: take it, or try beside it if it is a step where none should be."""
+    """There is ground at ``z``, lf: take it, or try beside it if it is a rim, or a step where none should be."""
     params = crawl.params
     swing = crawl.swing
     edge = params.crawl.edge_height << LF_BITS
     rise = z - swing.ground
+    if leg >= RR and swing.dropped and swing.tries < _TRIES:
+        leave_rim(crawl, z)
+        return
     tries = _TRIES
     if swing.known == 0:
         tries = _TRIES_UNKNOWN_STEP
@@ -358,12 +367,27 @@ def drop_hind(crawl: Crawl, leg: int) -> None:
     """No ground where the foothold is: further on when it goes up, else nearer."""
     params = crawl.params
     swing = crawl.swing
-    further = -params.crawl.edge_advance
+    swing.dropped = -1
     if swing.target.z > crawl.map.feet[leg].z + (params.crawl.edge_height << LF_BITS):
-        further = params.crawl.edge_advance
+        swing.dropped = 1
     note_event(crawl, EVENT_DROP, swing.place.z - swing.ground)
-    apex = swing.ground + (params.crawl.clear_contact << LF_BITS)
-    lift_again(crawl, swing.place.x + (further << LF_BITS), apex)
+    leave_drop(crawl, swing.ground)
+
+
+@hot
+def leave_rim(crawl: Crawl, z: int) -> None:
+    """Ground at ``z``, lf, where a try beside it found none: the foot would slip off its rim, so go as far again."""
+    note_event(crawl, EVENT_RIM, z - crawl.swing.ground)
+    leave_drop(crawl, z)
+    crawl.swing.dropped = 0
+
+
+@hot
+def leave_drop(crawl: Crawl, z: int) -> None:
+    """Try once more beside the drop, clear of ground at ``z``, lf, the way that the drop sends a hind foot."""
+    crawl_params = crawl.params.crawl
+    x = crawl.swing.place.x + (crawl.swing.dropped * crawl_params.edge_advance << LF_BITS)
+    lift_again(crawl, x, z + (crawl_params.clear_contact << LF_BITS))
 
 
 @hot

@@ -12,7 +12,7 @@ from .crawl_plan import BodyMove
 from .fixed import limit
 
 SHIFT, LIFT, SWING, HANG, LOWER, REST = range(6)
-LANDED, STEP, DROP, CALF, RISER, NO_GROUND, DIAGONALS, SINKS = range(1, 9)
+LANDED, STEP, DROP, CALF, RISER, NO_GROUND, DIAGONALS, SINKS, RIM = range(1, 10)
 FR, FL, RR, RL = range(4)
 ORDER = (RL, FL, RR, FR)
 
@@ -39,7 +39,7 @@ class Swing:
         self.leg, self.place, self.source = leg, list(place), list(place[:2])
         self.target, self.ground, self.apex = None, None, None
         self.speed, self.ticks_across = 0.0, 0
-        self.tries, self.risers, self.dropped, self.known = 0, 0, False, False
+        self.tries, self.risers, self.dropped, self.known = 0, 0, 0, False
         self.tare, self.load_ticks, self.peak = 0.0, 0, False
         self.past = [place[0]] * past
 
@@ -258,10 +258,11 @@ class Machine:
 
     def in_the_air(self, felt):
         """Go on with the stage, unless the body sinks over the leg: then it comes down where it is."""
-        s, sunk = self.swing, -self.pushed_up(felt)
-        if self.doubt.above(sunk, self.k.sink, TILT_ROUNDING) and s.place[2] > self.feet[s.leg][2]:
-            self.note_event(SINKS, s.place[2] - self.feet[s.leg][2])
-            s.place[2] = s.ground = self.feet[s.leg][2]
+        s, sunk, start_z = self.swing, -self.pushed_up(felt), self.feet[self.swing.leg][2]
+        if self.doubt.above(sunk, self.k.sink, TILT_ROUNDING) and (s.tries < TRIES or s.place[2] > start_z):
+            self.note_event(SINKS, s.place[2] - start_z)
+            if s.place[2] > start_z:
+                s.place[2] = s.ground = start_z
             s.tries, s.tare, s.load_ticks, s.peak = TRIES, 0.0, 0, False
             self.enter(LOWER)
         else:
@@ -340,7 +341,7 @@ class Machine:
             self.free_calf(felt, z)
         elif touches and self.doubt.above(s.ground + k.highest_contact, z, PLACE_ROUNDING):
             self.touch(felt, z)
-        elif again and not (s.load_ticks or s.dropped) and self.doubt.above(below, k.drop_depth, PLACE_ROUNDING):
+        elif again and self.lost(s) and self.doubt.above(below, k.drop_depth, PLACE_ROUNDING):
             self.drop(felt)
         elif self.doubt.above(below, k.deepest, PLACE_ROUNDING):
             self.note_event(NO_GROUND, -below)
@@ -404,10 +405,16 @@ class Machine:
     def touch(self, felt, z):
         """Stand here, or, on an edge where there should be none, look for a better place.
 
-        Where nothing is known it has found higher ground and goes on; so does a hind foot on its way down an edge; any
-        other is on the corner of what its foothold lies on and goes back.
+        Close beside a drop a hind foot is on its rim, and goes as far again. Where nothing is known it has found higher
+        ground and goes on; so does a hind foot on its way down an edge; any other is on the corner of what its foothold
+        lies on and goes back.
         """
         s, k = self.swing, self.k
+        if s.leg >= RR and s.dropped and s.tries < TRIES:
+            self.note_event(RIM, z - s.ground)
+            self.leave_drop(felt, z)
+            s.dropped = 0
+            return
         tries = TRIES if s.known else 2
         if s.tries >= tries or not self.doubt.above(z - s.ground, k.edge_height, PLACE_ROUNDING):
             self.land(felt)
@@ -420,11 +427,15 @@ class Machine:
             x = s.place[0] - k.edge_retreat
         self.again(felt, x, z + k.clear_contact)
 
+    def lost(self, s):
+        """Return whether the foot may look for ground elsewhere: none has begun; a front foot does so once."""
+        return not s.load_ticks and (s.leg >= RR or not s.dropped)
+
     def drop(self, felt):
         """Look for ground elsewhere: a front foot farther out, a hind foot nearer, or farther on if it climbs."""
         s, k = self.swing, self.k
         if s.leg < RR:
-            s.dropped = True
+            s.dropped = 1
             if self.other_is_down(s):
                 return
         self.note_event(DROP, s.place[2] - s.ground)
@@ -432,8 +443,12 @@ class Machine:
             self.again_with_hip(felt, s.place[0] + k.drop_advance, s.ground + k.clear_ground)
         else:
             climbs = self.doubt.above(s.target[2] - self.feet[s.leg][2], k.edge_height, PLACE_ROUNDING)
-            x = s.place[0] + (k.edge_advance if climbs else -k.edge_advance)
-            self.again(felt, x, s.ground + k.clear_contact)
+            s.dropped = 1 if climbs else -1
+            self.leave_drop(felt, s.ground)
+
+    def leave_drop(self, felt, z):
+        """Try beside the drop, the way it sends a hind foot, clear of ground at ``z``."""
+        self.again(felt, self.swing.place[0] + self.swing.dropped * self.k.edge_advance, z + self.k.clear_contact)
 
     def other_is_down(self, s):
         """Return whether the other front foot stands below, and well behind: then the edge is far enough behind."""

@@ -284,7 +284,7 @@ class Pair:
         times += (k.hang_skip_ticks, k.riser_skip_ticks, c.path.move_ticks + k.diagonal_ticks)
         c.stage.stage_tick = max(0, dice.choice(times) + dice.randint(-2, 2))
         c.swing.tries, c.swing.risers = dice.randrange(4), dice.randrange(3)
-        c.swing.dropped, c.swing.known = (dice.randrange(2), 0) if leg < 2 else (0, dice.randrange(2))
+        c.swing.dropped, c.swing.known = (dice.randrange(2), 0) if leg < 2 else (dice.randint(-1, 1), dice.randrange(2))
         c.contact.tare_q12, c.contact.load_ticks = dice.randrange(-400, 600), dice.choice((0, 0, k.contact_ticks - 1))
         c.contact.peak, c.swing.limited = dice.randrange(2), int(dice.random() < 0.2)
         c.contact.past_x[:HISTORY_TICKS] = [c.swing.place.x] * HISTORY_TICKS
@@ -320,7 +320,7 @@ class Pair:
         s.source, s.target = self.metres(pack(c.swing.departure)), self.metres(pack(c.swing.target))
         s.ground, s.apex, s.speed = self.metres((c.swing.ground, c.swing.apex, c.swing.speed))
         s.ticks_across, s.tries, s.risers = c.swing.way_ticks, c.swing.tries, c.swing.risers
-        s.dropped, s.peak, s.load_ticks = bool(c.swing.dropped), bool(c.contact.peak), c.contact.load_ticks
+        s.dropped, s.peak, s.load_ticks = c.swing.dropped, bool(c.contact.peak), c.contact.load_ticks
         s.known = bool(c.swing.known)
         s.tare = c.contact.tare_q12 / 4096
         return s
@@ -382,7 +382,7 @@ class Pair:
         }
         if other.swing:
             s = other.swing
-            same["tries"] = [c.swing.tries, c.swing.risers, c.swing.dropped], [s.tries, s.risers, int(s.dropped)]
+            same["tries"] = [c.swing.tries, c.swing.risers, c.swing.dropped], [s.tries, s.risers, s.dropped]
             same["known"] = c.swing.known, int(s.known)
             if other.stage in (twin.LOWER, twin.REST):
                 same["load ticks"] = (c.contact.load_ticks, c.contact.peak), (s.load_ticks, int(s.peak))

@@ -46,6 +46,14 @@ def test_the_crawl_goes_over_a_low_step_in_the_plane(start_m):
     assert run_walk(WalkSpec(CARAMELO, "crawl", ground=ground, distance_m=1.0)).outcome.ok
 
 
+@pytest.mark.parametrize("start_m", [0.5075, 0.5525])
+def test_a_hind_foot_goes_on_from_the_rim_that_it_meets_beside_a_drop(start_m):
+    """It stood there until the body moved and slipped off, again and again, and nothing was gained for 45 s."""
+    ground = GroundSpec("step-up", 0.05, start_m=start_m)
+    spec = WalkSpec(CARAMELO, "trot", 0.15, ground=ground, distance_m=start_m + 0.45, friction=0.6, seed=100)
+    assert run_walk(spec).outcome.ok
+
+
 @pytest.mark.parametrize("speed_m_s", [0.005, 0.01])
 def test_a_crawl_that_rests_in_between_feels_that_it_stands(speed_m_s):
     """Its goals went on to where the feet were seen, friction held its legs, and it took itself for lifted."""

@@ -116,7 +116,7 @@ def _soil_swing(dice, bits):
     FOOT.way_ticks = 1 + dice.below(60)
     FOOT.tries = dice.bits(2)
     FOOT.risers = dice.bits(2)
-    FOOT.dropped = dice.bits(1)
+    FOOT.dropped = dice.below(3) - 1
     FOOT.known = dice.bits(1)
     FOOT.leg_length = dice.bits(15)
     FOOT.limited = dice.bits(1)
