@@ -196,6 +196,8 @@ def lift_off(crawl: Crawl, leg: int) -> None:
     swing = crawl.swing
     for axis in range(3):
         swing.place[axis] = crawl.map.feet[leg][axis]
+    swing.departure.x = swing.place.x
+    swing.departure.y = swing.place.y
     aim(crawl, leg)
     crawl.support.stance[leg] = 0
     crawl.support.share_q12[leg] = 0

@@ -53,6 +53,7 @@ def test_whole_walks_go_the_same_way_to_the_tick_over_any_ground():
     @example(Trouble(straight=0.6), ROBOTS[0], False, 1)
     @example(Trouble(steps=[(0.14, -0.12)]), ROBOTS[0], False, 1)
     @example(Trouble(steps=[(0.17, 0.09)]), ROBOTS[0], False, 1)
+    @example(Trouble(steps=[(0.02, 0.05)]), ROBOTS[0], False, 1)
     @example(Trouble(sinks=0.5), ROBOTS[0], False, 1)
     @example(Trouble(skew=1.6, sticks=True), ROBOTS[0], False, 1)
     @given(TROUBLES, st.sampled_from(ROBOTS), st.booleans(), st.integers(0, 1 << 20))

@@ -333,6 +333,8 @@ PROBES = (
     _stateful(crawl_steps, "find_ground", (CRAWL, LEG)),
     _stateful(crawl_steps, "drop_front", (CRAWL, FLAG)),
     _stateful(crawl_steps, "drop_hind", (CRAWL, HIND)),
+    _stateful(crawl_steps, "leave_rim", (CRAWL, PLACE)),
+    _stateful(crawl_steps, "leave_drop", (CRAWL, PLACE)),
     _stateful(crawl_steps, "land", (CRAWL, LEG)),
     _stateful(crawl_ground, "note_landing", (CRAWL, LEG)),
     _stateful(crawl_ground, "unevenness", (CRAWL, LEG)),
