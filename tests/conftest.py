@@ -6,15 +6,23 @@ import pty
 
 import pytest
 from hypothesis import HealthCheck, settings
+from hypothesis.internal.conjecture import providers
+from hypothesis.internal.constants_ast import Constants
 
 from host import cli
 from host.boards.core import SWITCH, use_core
 
 os.environ.setdefault(SWITCH, "source")  # the sources are tested, unless CARAMELO_CORE names a folder of compiled cores
 use_core()
-# How long an example takes, to run or to be drawn, says how busy the machine is.
-settings.register_profile("caramelo", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+# How long an example takes, to run or to be drawn, says how busy the machine is. A run draws what any other draws;
+# `--hypothesis-profile=explore` draws other examples each time. Hypothesis would also draw constants of what happens to
+# be imported, which depends on the tests run before.
+settings.register_profile(
+    "caramelo", deadline=None, derandomize=True, database=None, suppress_health_check=[HealthCheck.too_slow]
+)
+settings.register_profile("explore", settings.get_profile("caramelo"), derandomize=False)
 settings.load_profile("caramelo")
+providers._get_local_constants = Constants
 
 
 @pytest.fixture

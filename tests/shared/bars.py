@@ -1,14 +1,8 @@
-"""What the tests of the core share: repeatable hypothesis settings and integers of 30 bits."""
+"""What the tests of the core share: integers of 30 bits."""
 
-from hypothesis import settings
 from hypothesis import strategies as st
 
 LARGEST = (1 << 30) - 1
-
-
-def repeatable(examples):
-    """Return hypothesis settings that draw the same examples in every run."""
-    return settings(max_examples=examples, deadline=None, derandomize=True, database=None)
 
 
 def integers(low, high):

@@ -6,14 +6,14 @@ import random
 from array import array
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shared.record import pack
 from shared.sense import attitude as a
 from tests.float_twin.attitude import of_block, turned_back
 
-from .bars import INT16, repeatable
+from .bars import INT16
 from .imu import ONE_G, angles_deg, apart_deg, block, counts, up
 
 LEVEL = counts(0, 0, 0, 0)
@@ -83,7 +83,7 @@ def test_a_turn_slower_than_the_units_is_not_lost(rate_hz):
     assert angles_deg(made)[0] == pytest.approx(7 / 131 * 20, abs=0.02)
 
 
-@repeatable(150)
+@settings(max_examples=150)
 @given(st.floats(-80, 80), st.floats(-170, 170))
 def test_alignment_finds_the_attitude_at_rest(roll_deg, pitch_deg):
     reading = counts(math.radians(roll_deg), math.radians(pitch_deg), 0, 0)
@@ -203,7 +203,7 @@ def test_int16_extremes_keep_every_number_small():
             assert -32768 <= made.pitch <= 32767
 
 
-@repeatable(200)
+@settings(max_examples=200)
 @given(st.lists(st.tuples(*[INT16] * 6), min_size=5, max_size=25), st.sampled_from((2048, 16384)))
 def test_any_readings_are_survived(readings, one_g):
     made = block(one_g=one_g, align_ticks=2)

@@ -6,7 +6,7 @@ from array import array
 from statistics import median_high
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shared.body.axes import POSE_AXES, Pose
@@ -16,7 +16,7 @@ from shared.record import pack, unpack
 from tests.float_twin import body as twin
 from tests.float_twin.si import leg_si, rad
 
-from .bars import LARGEST, integers, repeatable
+from .bars import LARGEST, integers
 from .robots import NAMES, block
 
 BLOCKS = {name: block(name) for name in NAMES}
@@ -35,7 +35,7 @@ def rotated(pose):
     return rotation
 
 
-@repeatable(1500)
+@settings(max_examples=1500)
 @given(ANGLES)
 def test_rotation_is_eq_8_within_its_error(angles):
     exact = twin.rotation(pose_si((0, 0, 0, *angles), 1))
@@ -62,7 +62,7 @@ def unit(value_q15):
     return 32768 if value_q15 == 32767 else value_q15
 
 
-@repeatable(500)
+@settings(max_examples=500)
 @given(integers(-32767, 32767), integers(-32767, 32767))
 def test_mul_unit_reads_32767_as_one(a, b):
     exact = unit(a) * unit(b) / 32768
@@ -101,7 +101,7 @@ def test_body_error_at_the_foot(name):
     assert median_high(errors) <= 0.03e-3
 
 
-@repeatable(300)
+@settings(max_examples=300)
 @given(st.sampled_from(NAMES), st.tuples(*[integers(-(1 << 29), 1 << 29)] * 3), ANGLES, st.integers(0, 3))
 def test_far_away_feet_are_limited_not_wrapped(name, place, angles, leg):
     params, hip_feet = BLOCKS[name], Feet()

@@ -1,6 +1,6 @@
 """shared/planner/command.py: speeds and poses move towards any command by at most their slew, within limits."""
 
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shared.body.axes import Pose, Twist
@@ -10,7 +10,7 @@ from shared.planner import command as c
 from shared.record import pack, unpack
 from tests.float_twin.fixed import towards
 
-from .bars import WORD, integers, repeatable
+from .bars import WORD, integers
 from .robots import block
 
 HALF = integers(-(1 << 29), (1 << 29) - 1)
@@ -22,13 +22,13 @@ def test_a_frame_has_room_for_a_whole_command():
     assert len(pack(c.Command())) == c.COMMAND_SIZE
 
 
-@repeatable(300)
+@settings(max_examples=300)
 @given(HALF, HALF, integers(0, (1 << 29) - 1))
 def test_slew_goes_towards(now, wanted, step):
     assert c.slew(now, wanted, step) == towards(now, wanted, step)
 
 
-@repeatable(200)
+@settings(max_examples=200)
 @given(st.lists(WORD, min_size=3, max_size=3), st.integers(0, 2), st.lists(st.integers(-9, 9), min_size=3, max_size=3))
 def test_speed_is_slewed_within_its_limits(asked, halves, share):
     command, tops = c.Command(), pack(GAIT.speed_max)
@@ -43,7 +43,7 @@ def test_speed_is_slewed_within_its_limits(asked, halves, share):
     assert still == (not any(pack(speed)))
 
 
-@repeatable(200)
+@settings(max_examples=200)
 @given(st.lists(WORD, min_size=6, max_size=6), st.integers(0, 1))
 def test_pose_is_slewed_within_its_limits(asked, standing):
     command, pose = c.Command(), Pose()

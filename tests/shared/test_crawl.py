@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from host.control.planner import Driver
@@ -19,17 +19,17 @@ from shared.planner.handover import REASON_COMMAND, REASON_EVEN, REASON_HELD
 from sim2d import terrain
 from sim2d.run import simulate
 
-from .bars import integers, repeatable
+from .bars import integers
 from .walker import BACK, OFF, ON, Walker, phase
 
 
-@repeatable(800)
+@settings(max_examples=800)
 @given(integers(-(1 << 25) + 1, (1 << 25) - 1), integers(0, 32768))
 def test_fraction_is_the_product_within_a_unit(value, share):
     assert abs(fraction(value, share) - value * share / 32768) <= 1
 
 
-@repeatable(500)
+@settings(max_examples=500)
 @given(integers(1, 16383), st.floats(0, 1))
 def test_quintic_is_the_polynomial(ticks, share):
     tick = round(share * ticks)
@@ -38,7 +38,7 @@ def test_quintic_is_the_polynomial(ticks, share):
     assert (quintic_q15(0, ticks), quintic_q15(ticks, ticks)) == (0, 32768)
 
 
-@repeatable(300)
+@settings(max_examples=300)
 @given(integers(1, 1 << 19), integers(0, 2000))
 def test_brake_speed_stops_within_the_way(brake, way):
     exact = 16 * math.sqrt(brake * way)

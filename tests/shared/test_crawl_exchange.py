@@ -4,7 +4,7 @@ import random
 from types import SimpleNamespace
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shared.crawl import state as at
@@ -18,7 +18,6 @@ from tests.float_twin import crawl_exchange as twin
 from tests.float_twin.doubt import Doubt
 from tests.float_twin.si import planner_si, scaled
 
-from .bars import repeatable
 from .robots import block
 from .walker import BACK, NAMES, OFF, ON, Walker, phase
 
@@ -233,7 +232,7 @@ def put(drawn, speed, command):
     return pair, robot, block
 
 
-@repeatable(1500)
+@settings(max_examples=1500)
 @given(TROTS, SPEEDS, COMMANDS, st.sampled_from((3, 3, 3, 1, 2)), st.sampled_from(HELD), st.sampled_from(ROWS))
 def test_the_crawl_begins_for_the_same_reason_at_any_point(drawn, speed, command, senses, held, rows):
     pair, robot, block = put(drawn, speed, command)
@@ -247,7 +246,7 @@ def test_the_crawl_begins_for_the_same_reason_at_any_point(drawn, speed, command
     assert robot.speed.vx == (0 if ended or robot.status.mover == MOVER_CRAWL else 99)
 
 
-@repeatable(600)
+@settings(max_examples=600)
 @given(TROTS, SPEEDS, COMMANDS, st.sampled_from((0, 15, 16, 17)))
 def test_the_crawl_ends_for_the_same_reason_at_any_point(drawn, speed, command, even):
     pair, robot, block = put(drawn, speed, command)
@@ -258,7 +257,7 @@ def test_the_crawl_ends_for_the_same_reason_at_any_point(drawn, speed, command, 
     assert robot.status.gait == pair.twin.walked
 
 
-@repeatable(60)
+@settings(max_examples=60)
 @given(st.integers(0, 1 << 20), st.sampled_from((20, 50, 333)), st.booleans())
 def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
     """Odometry that stutters, a trot that stands and walks again: the same speed, and the end in the same tick."""
@@ -288,7 +287,7 @@ def test_backing_off_is_the_twins_tick_by_tick(seed, rate_hz, stuck):
     assert stuck or not back.ends
 
 
-@repeatable(60)
+@settings(max_examples=60)
 @given(st.lists(st.integers(-32768, 32767), min_size=24, max_size=24), st.sampled_from((20, 50, 333)))
 def test_goals_go_on_from_the_crawls_and_fade_to_the_trots(values, rate_hz):
     params, fade = block("caramelo", rate_hz), handover.Fade()

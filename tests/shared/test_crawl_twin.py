@@ -8,7 +8,7 @@ import random
 from array import array
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shared.body.leg import LIMIT_CALF, LIMIT_HIP, LIMIT_THIGH
@@ -25,7 +25,6 @@ from tests.float_twin import crawl as twin
 from tests.float_twin import crawl_carry as carry
 from tests.float_twin.si import leg_si, rad
 
-from .bars import repeatable
 from .robots import block
 
 RATE = 50
@@ -102,7 +101,7 @@ def test_heading_and_place_are_the_best_fit_of_disturbed_feet(crawl, seed):
     assert math.dist(found, exact) < 0.15 * MM
 
 
-@repeatable(100)
+@settings(max_examples=100)
 @given(st.floats(-0.08, 0.08), st.floats(-0.5, 0.5))
 def test_a_round_foot_rolls_on(turned_rad, yaw_rad):
     crawl = Crawl(PARAMS)
@@ -187,7 +186,7 @@ def test_ground_is_felt_after_three_loaded_ticks_of_which_one_is_above_2_7_newto
 # --- what is carried, and how it begins
 
 
-@repeatable(60)
+@settings(max_examples=60)
 @given(st.integers(0, 1 << 20), st.sampled_from((20, 50, 200)))
 def test_the_weight_is_learnt_from_the_feet_that_stand(seed, rate_hz):
     """Within what rounding leaves of a smoothed force: half a unit over its gain."""

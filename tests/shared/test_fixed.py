@@ -3,7 +3,7 @@
 import math
 
 import pytest
-from hypothesis import example, given
+from hypothesis import example, given, settings
 
 from host.boards.build import tables
 from shared.num.fixed import (
@@ -24,7 +24,7 @@ from shared.num.fixed import (
 from tests.float_twin import fixed as twin
 from tests.float_twin.joint_motion import fall
 
-from .bars import LARGEST, integers, repeatable
+from .bars import LARGEST, integers
 
 SIDES = integers(-LARGEST, LARGEST)
 BRAD18_DEG = 360 / (1 << 18)
@@ -42,7 +42,7 @@ def test_sine_is_odd_and_reaches_its_ends():
     assert [sin_q15(a) for a in (0, 16384, 32768, 49152)] == [0, 32767, 0, -32767]
 
 
-@repeatable(300)
+@settings(max_examples=300)
 @given(integers(-LARGEST - 1, LARGEST - 16384))
 def test_sine_and_cosine_wrap(angle):
     assert sin_q15(angle) == sin_q15(angle % 65536)
@@ -71,7 +71,7 @@ def test_arctangent_of_every_ratio_of_its_table():
     assert max(arctangent_error_deg(near, far) for near in range(0, far + 1, 7)) <= 0.0025
 
 
-@repeatable(2000)
+@settings(max_examples=2000)
 @given(SIDES, SIDES)
 @example(0, -LARGEST)
 @example(LARGEST, -LARGEST)
@@ -90,7 +90,7 @@ def test_arctangent_of_the_axes_is_exact():
     assert atan2_brad18(0, 0) == 0
 
 
-@repeatable(300)
+@settings(max_examples=300)
 @given(integers(-LARGEST + 3, LARGEST - 3))
 def test_round_brad_wraps_and_is_half_a_unit_at_most(angle_brad18):
     rounded = round_brad(angle_brad18)
@@ -106,7 +106,7 @@ def test_square_root_is_exact_next_to_every_square():
         assert isqrt(square + 1) == k
 
 
-@repeatable(2000)
+@settings(max_examples=2000)
 @given(integers(0, LARGEST))
 def test_square_root_is_the_exact_floor(n):
     assert isqrt(n) == math.isqrt(n)
@@ -118,7 +118,7 @@ def test_square_root_of_a_negative_is_zero(n):
     assert isqrt(n) == round_sqrt(n) == 0
 
 
-@repeatable(2000)
+@settings(max_examples=2000)
 @given(integers(-(1 << 29) + 1, (1 << 29) - 1), integers(-(1 << 29) + 1, (1 << 29) - 1))
 @example((1 << 29) - 1, (1 << 29) - 1)
 @example(32767, 5)
@@ -131,14 +131,14 @@ def test_hypot_is_exact_below_30_bits_and_close_above(x, y):
         assert abs(hypot(x, y) - math.sqrt(exact)) <= math.sqrt(exact) / 8192
 
 
-@repeatable(500)
+@settings(max_examples=500)
 @given(integers(-LARGEST, LARGEST), integers(-32768, 32767))
 def test_mul_q15_rounds_to_nearest(a, b):
     if abs(a * b) <= (1 << 30) - (1 << 15):
         assert abs(mul_q15(a, b) - a * b / 32768) <= 0.5
 
 
-@repeatable(300)
+@settings(max_examples=300)
 @given(integers(-LARGEST, LARGEST), integers(-LARGEST, LARGEST), integers(-LARGEST, LARGEST))
 def test_saturate_limits(value, one, other):
     low, high = min(one, other), max(one, other)

@@ -6,7 +6,7 @@ A walk is measured at one rate. That it is the same at every rate is told by the
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shared.gait import steps as s
@@ -17,7 +17,7 @@ from tests.float_twin.gait import Gait
 from tests.float_twin.si import leg_si
 from tests.float_twin.swing import lift
 
-from .bars import integers, repeatable
+from .bars import integers
 from .robots import block
 from .walker import NAMES, TABLE_GAITS, TABLES, Walker
 
@@ -262,14 +262,14 @@ def test_a_table_that_is_no_gait_is_refused_with_a_sentence(table, part):
         g.compile_gait(table, block("caramelo"))
 
 
-@repeatable(600)
+@settings(max_examples=600)
 @given(integers(-(1 << 19) + 1, (1 << 19) - 1), integers(0, (1 << 24) - 1))
 def test_way_is_the_product(speed, ticks_q10):
     if abs(speed) * (ticks_q10 >> 10) < 1 << 29:
         assert abs(s.travel(speed, ticks_q10) - speed * ticks_q10 / 1024) <= 0.5
 
 
-@repeatable(600)
+@settings(max_examples=600)
 @given(integers(-(1 << 17), 1 << 17), integers(-65535, 65535), integers(0, (1 << 24) - 1))
 def test_turned_way_is_the_product(turn, arm_lu, ticks_q10):
     exact = turn * ticks_q10 / 1024
@@ -279,7 +279,7 @@ def test_turned_way_is_the_product(turn, arm_lu, ticks_q10):
         assert error <= 2 + 256 * abs(arm_lu) / 30000
 
 
-@repeatable(200)
+@settings(max_examples=200)
 @given(st.integers(-4000, 4000), st.integers(-4000, 4000), st.integers(0, 32768))
 def test_between_is_on_the_line(start, end, share):
     got = s.between(start << 8, end << 8, share)

@@ -5,7 +5,7 @@ import random
 from array import array
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from host.lab.parity.probe.row import Row
@@ -19,7 +19,7 @@ from shared.planner.goals import READ_SURE, ReadingHistory, believe, follow_goal
 from shared.record import pack
 from tests.float_twin import goals as twin
 
-from .bars import ANGLES, WORD, any_word, integers, repeatable
+from .bars import ANGLES, WORD, any_word, integers
 from .robots import block
 from .walker import TABLE_GAITS, Walker
 
@@ -64,7 +64,7 @@ DRIVES |= {f"body, {ratio:g}": driven_from_the_body(ratio) for ratio in (0.4, 0.
 
 
 @pytest.mark.parametrize("name", DRIVES)
-@repeatable(100)
+@settings(max_examples=100)
 @given(st.data())
 def test_goals_follow_as_fast_as_the_motors_turn_and_stay_between(name, data):
     params, wanted, start = DRIVES[name], data.draw(ANGLES), data.draw(ANGLES)
@@ -141,7 +141,7 @@ def taken(readings, more=2):
     return found
 
 
-@repeatable(300)
+@settings(max_examples=300)
 @given(sets(40))
 def test_belief_is_the_twins(readings):
     believer = twin.Believer(STEP)
@@ -150,7 +150,7 @@ def test_belief_is_the_twins(readings):
         assert believed == believer.believed
 
 
-@repeatable(200)
+@settings(max_examples=200)
 @given(integers(2, 20), integers(0, COUNT - 1), WORD)
 def test_one_odd_reading_counts_nothing(tick, place, value):
     plain = [[100, 20 * at, -5] for at in range(24)]

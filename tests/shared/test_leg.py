@@ -6,7 +6,7 @@ from array import array
 from statistics import median_high
 
 import pytest
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from shared.body.feet import Feet
@@ -17,7 +17,7 @@ from tests.float_twin import leg as twin
 from tests.float_twin import reach as twin_reach
 from tests.float_twin.si import leg_si, rad
 
-from .bars import INT16, LARGEST, WORD, integers, repeatable
+from .bars import INT16, LARGEST, WORD, integers
 from .robots import KNEES, NAMES, block, unlimited
 
 BLOCKS = {name: unlimited(block(name)) for name in NAMES}
@@ -126,7 +126,7 @@ def check_clamp(name, leg, foot):
     assert math.hypot(*reached[1:]) >= links[0] - 5
 
 
-@repeatable(1500)
+@settings(max_examples=1500)
 @given(ROBOTS, LEGS, st.tuples(WORD, WORD, WORD))
 def test_any_foot_ends_where_the_float_clamp_puts_it(name, leg, foot):
     check_clamp(name, leg, foot)
@@ -135,7 +135,7 @@ def test_any_foot_ends_where_the_float_clamp_puts_it(name, leg, foot):
 CLOSE = integers(-40000, 40000)
 
 
-@repeatable(3000)
+@settings(max_examples=3000)
 @given(ROBOTS, LEGS, st.tuples(CLOSE, st.one_of(CLOSE, integers(-50, 50)), st.one_of(CLOSE, integers(-50, 50))))
 @example("caramelo", 0, (0, 0, 0))
 @example("unequal", 1, (0, 0, 0))
@@ -148,7 +148,7 @@ def test_feet_round_the_leg_end_where_the_float_clamp_puts_them(name, leg, foot)
     check_clamp(name, leg, foot)
 
 
-@repeatable(400)
+@settings(max_examples=400)
 @given(ROBOTS, LEGS, st.tuples(WORD, WORD, WORD))
 def test_a_clamped_foot_is_solved_to_itself(name, leg, foot):
     """Never fails, whatever is asked for: the angles put the foot where the clamp says."""
@@ -157,7 +157,7 @@ def test_a_clamped_foot_is_solved_to_itself(name, leg, foot):
     assert off_m(si, joints, reached) <= 5 * si.unit_m + 1.3e-4 * (si.l2 + si.l3)
 
 
-@repeatable(600)
+@settings(max_examples=600)
 @given(ROBOTS, LEGS, st.tuples(*[integers(-(1 << 20), 1 << 20)] * 3))
 def test_forward_is_the_float_forward(name, leg, angles):
     params, si = BLOCKS[name], leg_si(BLOCKS[name], leg)
@@ -213,7 +213,7 @@ def test_too_near_needs_unequal_links():
     assert solved(BLOCKS["unequal"], 1, (0, links[0] + 40, 0))[0] == TOO_NEAR
 
 
-@repeatable(400)
+@settings(max_examples=400)
 @given(ROBOTS, LEGS, st.tuples(*[INT16] * 3))
 def test_joint_limits_act_and_are_reported(name, leg, angles):
     params, joints = BLOCKS[name], zeros()
@@ -228,7 +228,7 @@ def test_joint_limits_act_and_are_reported(name, leg, angles):
         assert bool(flags & bit) == (not low <= angles[joint] <= high)
 
 
-@repeatable(400)
+@settings(max_examples=400)
 @given(integers(-LARGEST, LARGEST), integers(0, 32767), integers(-5, LARGEST))
 def test_scale_down_rounds_towards_zero(value, numerator, denominator):
     if abs(value * numerator) < 1 << 30:

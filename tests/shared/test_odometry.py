@@ -4,7 +4,7 @@ import math
 import random
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shared.num.fixed import cos_q15, sin_q15
@@ -15,7 +15,6 @@ from shared.sense.sensed import Sensed
 from tests.float_twin.odometry import Odometry as Twin
 from tests.float_twin.si import rad
 
-from .bars import repeatable
 from .robots import NAMES, block
 
 FAR, SUM = 0x3FFF0000, 0x3F000000  # where the place stays, and what adds up beside it
@@ -245,7 +244,7 @@ def test_the_heading_goes_on_for_many_turns():
 
 
 @given(st.integers(0, 3), st.booleans(), st.integers(-32767, 32767), st.integers(-32767, 32767), st.integers(0, 2**25))
-@repeatable(300)
+@settings(max_examples=300)
 def test_at_its_ends_it_stays(corner, walks, ahead, aside, near):
     """8 km from where it began it is told to be there; the way and the uncertainties, too, stay at their largest."""
     core, params = o.Odometry(), block("caramelo")

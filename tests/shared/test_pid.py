@@ -4,7 +4,7 @@ import math
 import random
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from shared.body import balance as b
@@ -15,7 +15,7 @@ from tests.float_twin.balance import ERROR_MAX_RAD, Balance
 from tests.float_twin.pid import Pid
 from tests.float_twin.si import planner_si, rad
 
-from .bars import INT16, integers, repeatable
+from .bars import INT16, integers
 from .robots import block
 
 GAIN = integers(0, 32767)
@@ -29,7 +29,7 @@ def controller(kp_q12, ki_q16, kd_q10, integral_max, output_max):
     return made, Pid(kp_q12 / 4096, ki_q16 / 65536, kd_q10 / 1024, integral_max, output_max, 1)
 
 
-@repeatable(400)
+@settings(max_examples=400)
 @given(st.tuples(GAIN, GAIN, GAIN, LIMIT, LIMIT), st.lists(st.tuples(INT16, INT16), min_size=1, max_size=30))
 def test_any_controller_is_the_float_one(gains, inputs):
     made, other = controller(*gains)
@@ -97,7 +97,7 @@ def pose(roll, pitch):
     return made
 
 
-@repeatable(300)
+@settings(max_examples=300)
 @given(st.lists(st.tuples(INT16, INT16, INT16, INT16), min_size=1, max_size=30))
 def test_the_limiter_holds_the_sum_whatever_is_measured(inputs):
     made, _ = balance_pair()

@@ -4,12 +4,12 @@ import random
 from array import array
 from itertools import pairwise
 
-from hypothesis import given
+from hypothesis import given, settings
 
 from shared.planner import posture as m
 from tests.float_twin.swing import advance
 
-from .bars import ANGLES, integers, repeatable
+from .bars import ANGLES, integers
 from .robots import block
 
 
@@ -27,7 +27,7 @@ def moved(start, goal, step):
     return found
 
 
-@repeatable(60)
+@settings(max_examples=60)
 @given(ANGLES, ANGLES, integers(40, 2000))
 def test_a_move_keeps_its_speed_starts_at_the_start_and_ends_at_the_goal(start, goal, step):
     found = moved(start, goal, step)
@@ -57,7 +57,7 @@ def test_a_step_of_nothing_is_taken_as_one():
     assert len(moved([0] * 12, [10] * 12, 0)) == len(moved([0] * 12, [10] * 12, 1))
 
 
-@repeatable(200)
+@settings(max_examples=200)
 @given(integers(1, 1 << 20), integers(0, 1 << 20))
 def test_phase_of_is_the_ratio(ticks, tick):
     tick = tick % (ticks + 1)

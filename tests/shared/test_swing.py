@@ -3,12 +3,12 @@
 from itertools import pairwise
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 
 from shared.gait.swing import cycloid_q15, lift_q15, swing_phase_q16
 from tests.float_twin import swing as twin
 
-from .bars import WORD, integers, repeatable
+from .bars import WORD, integers
 
 P_T, P_N = 0.66, 0.33
 P_T_Q16, P_N_Q16 = 66 * 65536 // 100, (33 * 65536 + 99) // 100
@@ -29,7 +29,7 @@ def test_either_of_the_two_at_one_gives_even_samples(p_t, p_n):
     assert got == pytest.approx([65536 * i / 24 for i in range(25)], abs=1)
 
 
-@repeatable(800)
+@settings(max_examples=800)
 @given(integers(1, 16383), integers(0, 65536), integers(0, 65536), integers(0, 1 << 20))
 def test_any_re_timing_is_the_twins_and_rises_from_0_to_1(samples, p_t, p_n, at):
     sample = at % samples
@@ -39,7 +39,7 @@ def test_any_re_timing_is_the_twins_and_rises_from_0_to_1(samples, p_t, p_n, at)
         assert swing_phase_q16(sample, samples, p_t, p_n) <= swing_phase_q16(sample + 1, samples, p_t, p_n)
 
 
-@repeatable(200)
+@settings(max_examples=200)
 @given(WORD, integers(-5, 16383))
 def test_samples_outside_are_the_first_or_the_last(sample, samples):
     phase = swing_phase_q16(sample, samples, P_T_Q16, P_N_Q16)

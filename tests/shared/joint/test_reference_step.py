@@ -76,7 +76,7 @@ def draws(count, seed=1):
     return [{name: noise.randint(low, high) for name, (low, high) in RANGES.items()} for _ in range(count)]
 
 
-@settings(max_examples=600, deadline=None)
+@settings(max_examples=600)
 @given(st.fixed_dictionaries({name: st.integers(low, high) for name, (low, high) in RANGES.items()}))
 def test_the_step_is_the_reference_to_the_bit(drawn):
     _, found, expected = both(current, drawn)

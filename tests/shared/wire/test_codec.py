@@ -58,7 +58,7 @@ def check_decode(message, identifier, data):
 
 @pytest.mark.parametrize("message", WITH_FIELDS, ids=lambda m: m.name)
 def test_codec_equals_cantools(message):
-    @settings(max_examples=60, deadline=None)
+    @settings(max_examples=60)
     @given(st.data())
     def run(data):
         identifier = data.draw(st.sampled_from(message.identifiers))

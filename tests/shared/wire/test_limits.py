@@ -1,13 +1,13 @@
 """Limits of a frame's fields against the same said otherwise, over all that a field can hold."""
 
-from hypothesis import given
+from hypothesis import given, settings
 
 from shared.wire.limits import differs, limit_but, outside
 
-from ..bars import WORD, repeatable
+from ..bars import WORD
 
 
-@repeatable(300)
+@settings(max_examples=300)
 @given(WORD, WORD, WORD, WORD)
 def test_limits_are_kept_but_for_the_special_value(value, one, other, special):
     low, high = sorted((one, other))

@@ -169,7 +169,7 @@ FRAMES = st.tuples(
 )
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(st.integers(0, 12), st.integers(0, 3), st.lists(FRAMES, max_size=40))
 def test_random_frames_never_make_a_set_point_up(node, session, received):
     link, wanted = fresh(node), {}

@@ -67,7 +67,7 @@ class Wire:
 
 @pytest.mark.parametrize("protocol", [1.0, 2.0])
 @given(data=st.lists(st.sampled_from([0, 1, 0x55, 0xFD, 0xFE, 0xFF]), min_size=1, max_size=24))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_what_the_sdk_sends_arrives(protocol, data):
     """Except a header among the data: the SDK (4.1.0) forgets to stuff it. Nothing that is sent here holds one."""
     assume(bytes([0xFF, 0xFF, 0xFD]) not in bytes(data))
@@ -81,7 +81,7 @@ def test_what_the_sdk_sends_arrives(protocol, data):
 @given(data=st.lists(st.sampled_from([0, 1, 0x55, 0xFD, 0xFE, 0xFF]), min_size=1, max_size=24))
 @example(data=[0xFF, 0xFF, 0xFD, 0xFF, 0xFD, 0xFD])
 @example(data=[0xFF, 0xFF, 0xFD, 0xFF, 0xFF, 0xFD, 0xFD])
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_what_a_servo_answers_arrives(protocol, data):
     """Also where the data look like a header, which protocol 2.0 stuffs; of two, the SDK (4.1.0) takes out too much."""
     wire = Wire(framing(protocol).status(3, 0, bytes(data)))
@@ -115,7 +115,6 @@ def test_an_answer_to_another_question_is_none(protocol, count):
 
 
 @given(packet=st.sampled_from([PING, READ_POSITION, WRITE_GOAL]), at=st.integers(0, 13), flip=st.integers(1, 255))
-@settings(deadline=None)
 def test_no_damaged_packet_passes(packet, at, flip):
     damaged = bytearray(packet)
     damaged[at % len(packet)] ^= flip
@@ -154,7 +153,7 @@ class Paced(Wire):
 
 
 @given(data=roll_calls())
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 def test_a_roll_call_asks_as_the_sdk_does_and_takes_the_same_answers(data):
     handler, ours, theirs = packet_handler(2.0), Paced(data), Paced(data)
     wanted, _ = handler.broadcastPing(theirs)
