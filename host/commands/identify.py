@@ -10,7 +10,7 @@ import typer
 from ..util.console import print_table, screen, tell_written, write_json
 from ..util.errors import NOT_ACHIEVED, UserError
 from ..util.progress import stages
-from ._options import RobotName
+from ._options import ClusterAt, Jobs, RobotName
 
 if TYPE_CHECKING:
     from ..bus.dynamixel.calibration.person import Person
@@ -26,6 +26,8 @@ def identify(
     calibration: Annotated[Path | None, typer.Option(metavar="FILE", help="Default: the robot's own.")] = None,
     joint: Annotated[list[str] | None, typer.Option(metavar="NAME", help='Only this joint: "RL thigh".')] = None,
     fit: Annotated[Path | None, typer.Option(metavar="RECORDS", help="Fit recorded sweeps, without the robot.")] = None,
+    jobs: Jobs = 1,
+    cluster: ClusterAt = "",
     out: Annotated[Path | None, typer.Option(metavar="FOLDER", help="Default: out/identify/ROBOT.")] = None,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask; it is on its stand, then on the floor.")] = False,
     no_floor: Annotated[bool, typer.Option("--no-floor", help="Measure only on the stand.")] = False,
@@ -39,11 +41,12 @@ def identify(
     joint with its counterparts on the other legs; writes pictures and a copy of the robot file. Ctrl-C lets go of all
     joints; the measurements are kept, and the same command goes on from there. Exit code 1 if a joint is not sound.
 
-    Examples: caramelo identify; caramelo identify --sim; caramelo identify --fit out/identify/caramelo
+    Examples: caramelo identify; caramelo identify --sim; caramelo identify --fit out/identify/caramelo --jobs 4
     """
     from ..bus.dynamixel.calibration.data import servo_of
     from ..bus.dynamixel.calibration.person import AtTerminal, FromFile
     from ..identify.procedure import fit_all
+    from ..lab.workers.work import workers
     from ..robot.file import find, load_robot
 
     data = load_robot(robot)
@@ -57,8 +60,8 @@ def identify(
         person: Person = agrees if yes or sim else AtTerminal()
         with _rig(data, port, calibration, sim, seed) as (rig, stand):
             _measure(data, rig, stand, person, folder, joints, not no_floor and joint is None)
-    with stages("fit", as_json) as show:
-        result = fit_all(data, folder, show)
+    with workers(jobs, cluster) as run_by, stages("fit", as_json) as show:
+        result = fit_all(data, folder, show, run_by.run_all)
     pictures = _draw(data, folder, result)
     copy = _write_copy(data, find(robot), folder, result)
     _tell(result, as_json, [*pictures, *copy])

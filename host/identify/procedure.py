@@ -25,6 +25,8 @@ from .together import grounds, supply_ohm
 from .verdict import BLOCKED, SOUND, UNSAFE, Verdict, broken, brothers, judge, sticking, weight_is, with_middle
 
 Show = Callable[[str, float], None]  # the present work, and the share of it that is done
+# Runs fits, in this process or elsewhere, and returns what they find in their order; told is how many have ended.
+RunFits = Callable[[Sequence[JointFit], Callable[[int], None]], list[Fitted]]
 LEAST_BROTHERS = 2
 
 
@@ -97,28 +99,27 @@ def unsafe(verdicts: Mapping[int, Verdict]) -> list[str]:
     return [verdict.sentence for verdict in verdicts.values() if verdict.kind in UNSAFE]
 
 
-def fit_all(robot: Robot, folder: Path, show: Show) -> Result:
+def fit_all(robot: Robot, folder: Path, show: Show, run_fits: RunFits) -> Result:
     """Fit every joint that is kept, and judge it. UserError if nothing is kept."""
     servo, result = servo_of(robot), Result()
     kept = [joint for joint in range(JOINTS) if keeping.done(folder, joint)]
     result.verdicts = glance(robot, folder, show)
     if not kept and not result.verdicts:
         raise UserError(f"{folder}: contains no sweeps: measure first, with caramelo identify")
-    stood = grounds(robot, servo, keeping.kept_stances(keeping.together_path(folder, "ground"), robot))
-    result.stood = stood is not None
+    ground = grounds(robot, servo, keeping.kept_stances(keeping.together_path(folder, "ground"), robot))
+    result.stood = ground is not None
     whole = [joint for joint in kept if joint not in result.verdicts]
-    for number, joint in enumerate(whole):
-        show(f"fit {JOINT_LABELS[joint]}", number / len(whole))
-        traces = keeping.kept_traces(keeping.path_of(folder, joint), robot)
-        ground = None if stood is None else stood[joint]
-        result.fits[joint] = JointFit(servo, in_the_air(robot, joint), traces, ground).run()
+    loads = [in_the_air(robot, joint) for joint in range(JOINTS)]
+    traces = {joint: keeping.kept_traces(keeping.path_of(folder, joint), robot) for joint in whole}
+    fits = [JointFit(servo, loads[joint], traces[joint], ground[joint] if ground else None) for joint in whole]
+    show(f"{len(fits)} joints", 0.0)
+    found = run_fits(fits, lambda ended: show(f"{ended} of {len(fits)} joints", ended / len(fits)))
+    result.fits = dict(zip(whole, found, strict=True))
     for joint in whole:
-        traces = keeping.kept_traces(keeping.path_of(folder, joint), robot)
-        usual = brothers(result.fits, joint)
-        result.verdicts[joint] = judge(joint, result.fits, sticking(servo, in_the_air(robot, joint), traces, usual))
+        sticks = sticking(servo, loads[joint], traces[joint], brothers(result.fits, joint))
+        result.verdicts[joint] = judge(joint, result.fits, sticks)
     if result.fits:
         shaken = keeping.kept_stances(keeping.together_path(folder, "shake"), robot)
-        loads = [in_the_air(robot, joint) for joint in range(JOINTS)]
         result.supply_ohm = supply_ohm(servo, loads, all_numbers(result.fits), shaken)
     return result
 

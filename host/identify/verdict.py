@@ -78,7 +78,7 @@ def sticking(servo: Servo, load: Load, traces: Sequence[Trace], values: Mapping[
 
     The usual friction is that of ``values``, the other joints' numbers. This joint's torque and speed differ a little,
     which looks like friction that changes with the duty: so a place is compared with the rest of the same run. A joint
-    that stands still although it is pushed has at least the friction of the push.
+    that stands still although it is pushed has at least the friction of the push. 1.0 where too few runs saw any place.
     """
     beyond: dict[int, list[float]] = {}
     runs = (_by_place(*_resistance(servo, load, trace, values)) for trace in traces if kind_of(trace) == "run")
@@ -87,8 +87,8 @@ def sticking(servo: Servo, load: Load, traces: Sequence[Trace], values: Mapping[
         for place, ratio in run.items():
             beyond.setdefault(place, []).append(ratio - usual)
     found = {place: median(seen) for place, seen in beyond.items() if len(seen) >= LEAST_SEEN}
-    worst = max(found, key=lambda place: found[place])
-    return 1.0 + found[worst], worst * BIN_RAD
+    worst = max(found, key=lambda place: found[place], default=0)
+    return 1.0 + found.get(worst, 0.0), worst * BIN_RAD
 
 
 def _by_place(at: Array, ratio: Array) -> dict[int, float]:

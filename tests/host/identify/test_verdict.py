@@ -84,6 +84,12 @@ def test_a_joint_that_sticks_at_one_place_is_found_by_its_runs(few_runs, fault):
         assert times < 1.1
 
 
+def test_a_joint_whose_places_too_few_runs_saw_is_not_called_sticking(few_runs):
+    made = stand(8, "sticking", 1)
+    traces = sweeping.sweep_joint(made.rig, 1)
+    assert sticking(SERVO, in_the_air(ROBOT, 1), traces[:1], {**truth(made, 1), "act_s": 0.01}) == (1.0, 0.0)
+
+
 def test_the_middle_of_the_joints_and_how_far_they_spread():
     middle = with_middle({j: replace(fit, answer_s=0.002) for j, fit in fits(stall_Nm=3.0).items()})
     assert middle.values["stall_Nm"] == pytest.approx(ALIKE["stall_Nm"])
