@@ -55,6 +55,8 @@ def identify(
     joints = _joints(joint)
     if as_json and not (yes or sim or fit):
         raise UserError("--json: can't ask questions: add --yes, --sim or --fit RECORDS")
+    if cluster and not fit:
+        raise UserError(f"--cluster {cluster}: only with --fit RECORDS: measure first, then fit what was recorded")
     if fit is None:
         agrees = FromFile({"stand": "go", "floor": "go"}, "--yes")
         person: Person = agrees if yes or sim else AtTerminal()

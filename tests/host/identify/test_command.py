@@ -21,7 +21,8 @@ def test_what_is_kept_is_fitted_in_other_processes_as_in_this_to_the_bit(run_jso
     assert run_json("identify", "--fit", folder)[:2] == (1, there)
 
 
-def test_a_cluster_beside_processes_is_refused(refused, tmp_path):
-    (tmp_path / "FR-calf.mcap").touch()
-    assert "--jobs 2: not with --cluster" in refused(
-        "identify", "--fit", str(tmp_path), "--jobs", "2", "--cluster", "tcp://127.0.0.1:9")
+def test_a_cluster_is_for_what_was_measured_and_not_beside_processes(refused, tmp_path):
+    on_it = ("--cluster", "tcp://127.0.0.1:9")
+    assert "only with --fit RECORDS: measure first" in refused("identify", "--sim", "--out", str(tmp_path), *on_it)
+    assert list(tmp_path.iterdir()) == []
+    assert "--jobs 2: not with --cluster" in refused("identify", "--fit", str(tmp_path), "--jobs", "2", *on_it)
