@@ -13,11 +13,22 @@ Answers = Mapping[str, list[Answer]]
 Judge = Callable[[Answers], tuple[bool | None, str]]
 
 
+def arrives(answer: Answer) -> bool:
+    """Return whether a walk got to its end."""
+    return answer.ok
+
+
+def stays_up(answer: Answer) -> bool:
+    """Return whether a walk ended without a fall."""
+    return not answer.figures["falls"]
+
+
 @dataclass(frozen=True)
 class Case:
     """One row: its trials by simulator, its limit in words and who judges it, the papers' figures, and more for JSON.
 
-    A trial that is in several cases of an experiment, as the same object, runs once.
+    A trial that is in several cases of an experiment, as the same object, runs once. ``passes``: whether a trial did
+    what was wanted of it; the others are told as failures.
     """
 
     name: str
@@ -26,6 +37,7 @@ class Case:
     judge: Judge | None = None
     paper: Any = None
     facts: Mapping[str, Any] = field(default_factory=dict)
+    passes: Callable[[Answer], bool] = arrives
 
 
 @dataclass(frozen=True)

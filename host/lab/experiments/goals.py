@@ -17,7 +17,7 @@ from ...robot.model import KNEE_CONFIGURATIONS, Robot
 from ...sim.grounds import GroundSpec, make_terrain
 from ...sim.walk import Push, WalkSpec
 from ...util.errors import UserError
-from .case import Case, Experiment, Found, Judge, Row
+from .case import Case, Experiment, Found, Judge, Row, stays_up
 from .counts import LIMIT_S, load_specs, slope_specs, step_specs
 from .data import assumptions, goal_tables
 from .trials import FRICTIONS, PLANE, SPACE, STRIDE_M, Answer, Options, Trial, trials
@@ -212,8 +212,8 @@ def pushes(options: Options, want: Wanted) -> list[Case]:
             push = Push(PUSH_AT_S + 0.5 * (0.618 * seed % 1), (newton * math.cos(turn), newton * math.sin(turn)))
             specs.append(replace(spec, seed=seed, push=push, limit_s=push.at_s + PUSH_WATCH_S))
         name = f"push of {want.table['push_m_s']:g} m/s at {speed:.3g} m/s"
-        found.append(_case(name, specs, f"{100 * least:g} % do not fall" if least else "",
-                            share(least, lambda answer: not answer.figures["falls"])))
+        limits = f"{100 * least:g} % do not fall" if least else ""
+        found.append(replace(_case(name, specs, limits, share(least, stays_up)), passes=stays_up))
     return found
 
 

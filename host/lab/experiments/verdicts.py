@@ -6,7 +6,7 @@ from statistics import median
 from typing import Any
 
 from ...robot.model import KNEE_CONFIGURATIONS
-from .case import Answers, Found, Judge, Row, Table, rate
+from .case import Answers, Found, Judge, Row, Table, arrives, rate
 from .trials import Answer, Options, most_loaded
 
 # How a figure is told: its name and unit.
@@ -18,7 +18,7 @@ TOLD = {
 WORDS = {True: "met", False: "not met", None: "reported"}
 
 
-def share(least: float | None, ok: Callable[[Answer], bool] = lambda answer: answer.ok,
+def share(least: float | None, ok: Callable[[Answer], bool] = arrives,
           most_median: tuple[str, float] | None = None) -> Judge:
     """Return a judge: met if this share of the trials is ``ok``; None only reports.
 
@@ -91,7 +91,7 @@ def sum_up(title: str, options: Options, rows: list[Row]) -> Found:
     for row in rows:
         met, told = row.case.judge(row.answers) if row.case.judge else (None, "")
         walks = [answer for series in row.answers.values() for answer in series]
-        failures = [answer.figures["reason"] for answer in walks if not answer.ok]
+        failures = [answer.figures["reason"] for answer in walks if not row.case.passes(answer)]
         found.append({
             "case": row.case.name, **row.case.facts, "in": list(row.answers), "met": met, "figure": told,
             "wanted": row.case.wanted, "walks": len(walks), "paper": row.case.paper,

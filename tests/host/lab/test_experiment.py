@@ -238,6 +238,15 @@ def test_a_step_taken_by_the_crawl_is_not_taken_at_a_trot():
     assert not goals.at_a_trot(FELL)
 
 
+def test_a_push_that_is_walked_off_is_no_failure():
+    """Nobody waits for the walk's end: it is watched for four seconds."""
+    walks_on = Answer({**ARRIVED.figures, "ok": False, "reason": "timed out"})
+    options = Options(ROBOT, "trot", 1, only=("pushes",))
+    rows = [Row(case, {"3-D": [walks_on, FELL]}) for case in goals.cases(options)]
+    for row in EXPERIMENTS["goals"].sum_up(options, rows).result["rows"]:
+        assert (row["figure"], row["failures"]) == ("1/2", ["fell at 3.00 s"])
+
+
 def test_a_load_that_is_too_much_to_stand_with_is_not_a_goal():
     """In the plane no joint may need 40 % of stall: Parallel needs 55 % to stand with its load, Caramelo 39 %."""
     for name, met, wanted in (("parallel", None, "to stand with it takes 55 % of stall"), ("caramelo", True, "40 %")):
