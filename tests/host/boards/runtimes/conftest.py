@@ -17,7 +17,7 @@ from tests.core import kept_core
 from tests.firmware.gait_vm import copy_modules
 from tests.waiting import wait_until
 
-VECTORS = 80  # over 20 000 vectors, and 2000 ticks of each gait
+VECTORS = 32  # over 20 000 vectors, and 800 ticks of each gait
 MAKING_S = 1100.0  # compiling takes a minute, ten on a busy machine; pytest ends a test after 1200 (pyproject)
 
 
