@@ -50,8 +50,6 @@ demo:
 
 # Hundreds of processes start, and each would compile its modules again where the environment says to keep no bytecode.
 test check: export PYTHONDONTWRITEBYTECODE =
-# As the command has it (host/__main__.py).
-test check: export OPENBLAS_NUM_THREADS = 1
 
 test: setup
 	@$(BIN)/python .ci/test.py $(BIN) $(JOBS)

@@ -12,6 +12,7 @@ from hypothesis.internal.constants_ast import Constants
 from host import cli
 from host.boards.core import SWITCH, use_core
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the command has it (host/__main__.py)
 os.environ.setdefault(SWITCH, "source")  # the sources are tested, unless CARAMELO_CORE names a folder of compiled cores
 use_core()
 # How long an example takes, to run or to be drawn, says how busy the machine is. A run draws what any other draws;

@@ -1,6 +1,7 @@
 """The versions that two processes must share for a trial to give the same figures in both, to the bit."""
 
 import hashlib
+import os
 import platform
 from collections.abc import Iterator, Mapping
 from functools import cache
@@ -10,11 +11,12 @@ from ... import ROOT
 
 FOLDERS = ("shared", "sim2d", "host")  # the code of a trial
 LIBRARIES = ("mujoco", "pymunk", "numpy", "scipy")
+THREADS = "OPENBLAS_NUM_THREADS"  # in how many parts long sums are made (host/__main__.py); dask's nanny says 1, too
 
 
 @cache
 def versions() -> Mapping[str, str]:
-    """Return this process's: a fingerprint of the sources, Python and libraries, the processor, a short walk and fit.
+    """Return this process's: a fingerprint of the sources, Python and libraries, processor and threads, a walk and fit.
 
     Walk and fit show what no version can: two processors may round a sine, or the sum of a row, differently.
     """
@@ -22,7 +24,7 @@ def versions() -> Mapping[str, str]:
 
     use_core()
     found = {"caramelo": fingerprint(), "python": platform.python_version(), "processor": platform.machine()}
-    found |= {name: _library(name) for name in LIBRARIES}
+    found |= {name: _library(name) for name in LIBRARIES} | {THREADS: os.environ.get(THREADS, "unset")}
     return found | {"a short walk": _walked(), "a short fit": _fitted()}
 
 

@@ -23,8 +23,8 @@ class Standing:
         home = self.folder / f"home{len(self.processes)}"
         home.mkdir()
         environment = {"PATH": os.defpath, "HOME": str(home), "TMPDIR": str(home)}
-        if "CARAMELO_CORE" in os.environ:
-            environment["CARAMELO_CORE"] = os.environ["CARAMELO_CORE"]
+        kept = ("CARAMELO_CORE", "OPENBLAS_NUM_THREADS")  # which core, and what a worker's nanny would set
+        environment |= {name: os.environ[name] for name in kept if name in os.environ}
         log = (home / "log").open("w")
         process = subprocess.Popen([self.python, "-m", f"distributed.cli.dask_{what}", *arguments],
                                    cwd=home, env=environment, stdout=log, stderr=log)
