@@ -27,8 +27,8 @@ def stays_up(answer: Answer) -> bool:
 class Case:
     """One row: its trials by simulator, its limit in words and who judges it, the papers' figures, and more for JSON.
 
-    A trial that is in several cases of an experiment, as the same object, runs once. ``passes``: whether a trial did
-    what was wanted of it; the others are told as failures.
+    A trial that is in several cases of an experiment, as the same object, runs once. ``passes``: whether a trial is not
+    among the failures that are told, whatever more the judge asks of it.
     """
 
     name: str
